@@ -1,0 +1,98 @@
+//! Machining features: what is to be cut into a panel, said without saying how.
+
+use glam::DVec3;
+
+/// A machining feature in the coordinates of its panel set.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Machining {
+    /// A round hole.
+    Drill {
+        /// Where the hole's axis enters the designed panel.
+        entry: DVec3,
+        /// Unit direction of drilling, into the wood.
+        axis: DVec3,
+        /// From `entry` to the deepest point of the hole along `axis`, mm.
+        depth: f64,
+        /// Diameter, mm.
+        diameter: f64,
+    },
+    /// A slot of rectangular section along a line, open at the surface it lies on.
+    Slot {
+        /// Start of the slot's floor line.
+        from: DVec3,
+        /// End of the slot's floor line.
+        to: DVec3,
+        /// Unit direction from the surface into the wood.
+        axis: DVec3,
+        /// Width across the line, mm.
+        width: f64,
+        /// Depth along `axis`, mm.
+        depth: f64,
+    },
+    /// A pocket with flat floor and planar outline.
+    Pocket {
+        /// Outline on the surface, counter-clockwise seen against `axis`.
+        outline: Vec<DVec3>,
+        /// Unit direction into the wood.
+        axis: DVec3,
+        /// Depth, mm.
+        depth: f64,
+    },
+    /// A cut along a polyline, as deep as the stock.
+    Contour {
+        /// The line on the surface.
+        line: Vec<DVec3>,
+        /// Unit direction into the wood.
+        axis: DVec3,
+    },
+    /// Text engraved in single strokes.
+    Engraving {
+        /// Lower left corner of the first glyph on the surface.
+        origin: DVec3,
+        /// Unit reading direction.
+        along: DVec3,
+        /// Unit direction into the wood.
+        axis: DVec3,
+        /// Glyph height, mm.
+        height: f64,
+        /// Depth of the stroke, mm.
+        depth: f64,
+        /// The text; see `motion::glyph` for the characters that can be engraved.
+        text: String,
+    },
+}
+
+/// One feature on one panel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feature {
+    /// Panel index in the set.
+    pub panel: u32,
+    /// Edge it belongs to, if any.
+    pub edge: Option<u32>,
+    /// Joint number shared by the features that must meet in space; `None` for a feature that stands alone.
+    pub joint: Option<u32>,
+    /// What it is for: "toe screw", "dowel", "fixing", "address".
+    pub purpose: &'static str,
+    /// The shape.
+    pub machining: Machining,
+}
+
+/// Purchased parts by name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Hardware {
+    /// Trade name with size, as on the piece list.
+    pub name: String,
+    /// How many.
+    pub count: u64,
+}
+
+/// Features of a panel set, ordered by panel, with the hardware that they take and those left to be made by hand.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FeatureSet {
+    /// All features that the machine makes.
+    pub features: Vec<Feature>,
+    /// Features that the machine cannot reach and that are made by hand.
+    pub by_hand: Vec<Feature>,
+    /// Purchased parts.
+    pub hardware: Vec<Hardware>,
+}

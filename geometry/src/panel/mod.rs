@@ -1,0 +1,4 @@
+//! Panels: the shared panel set, thickening, solids.
+
+mod set;
+pub use set::{EdgeRef, PanelSet, Side};
