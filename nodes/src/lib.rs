@@ -1,1 +1,2 @@
 //! nodes
+pub mod post;
