@@ -1,6 +1,7 @@
 //! The polygon mesh that every room shares: points and faces in compressed rows.
 
 use glam::DVec3;
+use std::fmt;
 
 /// A polygon mesh. Face `f` is the loop `face_vertices[face_start[f]..face_start[f + 1]]`, counter-clockwise seen from
 /// its front (right-hand rule).
@@ -26,6 +27,16 @@ pub struct Address {
     pub row: u32,
     /// Column.
     pub column: u32,
+}
+
+/// The address as engraved, drawn and listed: `row.column`, on later patches `patch-row.column`.
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.patch > 0 {
+            write!(f, "{}-", self.patch)?;
+        }
+        write!(f, "{}.{}", self.row, self.column)
+    }
 }
 
 impl Mesh {
