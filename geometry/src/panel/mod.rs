@@ -1,4 +1,19 @@
 //! Panels: the shared panel set, thickening, solids.
 
+mod border;
+mod clip;
+mod issue;
 mod set;
+mod solid;
+mod thicken;
+
+pub use border::{BorderCut, BorderRule, EdgeCut};
+pub use issue::{PanelIssue, ThickenError};
 pub use set::{EdgeRef, PanelSet, Side};
+pub use solid::Solid;
+pub use thicken::{Nodes, ThickenParams, thicken};
+
+#[cfg(test)]
+mod laws;
+#[cfg(test)]
+mod shells;
