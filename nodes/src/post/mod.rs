@@ -1,6 +1,11 @@
 //! Posts: machine files, programs written from tool paths, programs read back.
 
 mod machine_file;
+mod number;
+mod parse;
 mod words;
+mod write;
 pub use machine_file::{MachineFile, MachineFileError, machine_preset, machine_presets, read_machine};
+pub use parse::{ProgramError, parse_program};
 pub use words::Words;
+pub use write::{PostError, PostParams, PostedProgram, post};
