@@ -1,2 +1,3 @@
 //! nodes
+pub mod io;
 pub mod post;
