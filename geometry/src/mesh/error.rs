@@ -85,6 +85,12 @@ pub enum MeshError {
         /// The two faces there, ascending.
         faces: [u32; 2],
     },
+    /// A tolerance that is negative, NaN or infinite.
+    #[error("a tolerance of {tolerance} mm makes no sense; it must be 0 or a positive number")]
+    BadTolerance {
+        /// The tolerance given, mm.
+        tolerance: f64,
+    },
     /// The caller cancelled the computation.
     #[error("cancelled")]
     Cancelled,

@@ -1,11 +1,17 @@
-//! Polygon meshes: the shared type, welding, adjacency, order and address.
+//! Polygon meshes: the shared type, welding, adjacency, orientation, faults, order and address.
 
 mod adjacency;
 mod error;
 mod face;
+mod fault;
+mod orient;
 mod polygon;
 mod structure;
+mod weld;
 
 pub use adjacency::Adjacency;
 pub use error::MeshError;
+pub use fault::FaceFault;
+pub use orient::{Front, Oriented, orient};
 pub use polygon::{Address, Mesh};
+pub use weld::{Welded, weld};
