@@ -90,11 +90,11 @@ impl Mesh {
         }
         let normal = area.normalize();
         let mut turning = 0.0;
-        for k in 0..n {
+        for (k, &vertex) in corners.iter().enumerate() {
             let (before, at, after) = (p(k + n - 1), p(k), p(k + 1));
             let depth = inset(before, at, after, normal);
             if depth > concavity {
-                return Some(FaceFault::Concave { face, corner: k as u32, vertex: corners[k], depth });
+                return Some(FaceFault::Concave { face, corner: k as u32, vertex, depth });
             }
             let (u, v) = (at - before, after - at);
             turning += u.cross(v).dot(normal).atan2(u.dot(v));
