@@ -13,7 +13,9 @@ mod weld;
 
 pub use adjacency::Adjacency;
 pub use error::MeshError;
+pub(crate) use face::{area_vector, centre};
 pub use fault::FaceFault;
+pub(crate) use fault::inset;
 pub use order::{FaceKind, OrderKind, OrderParams, Ordered, Start, order_faces};
 pub use orient::{Front, Oriented, orient};
 pub use patch::{Closing, Patch};
