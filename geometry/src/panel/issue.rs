@@ -79,6 +79,14 @@ pub enum PanelIssue {
         /// Greatest distance between a mesh vertex and its panel corner, mm.
         moved: f64,
     },
+    /// Reported: a node of many panels is so sharp that no cone around it parts them all; they may overlap there.
+    #[error("the panels of faces {faces:?} may overlap behind vertex {vertex}: the node is too sharp to be voided")]
+    SharpNode {
+        /// Mesh vertex.
+        vertex: u32,
+        /// Faces around it, ascending.
+        faces: Vec<u32>,
+    },
     /// Fatal: two faces are folded back onto each other.
     #[error("face {face}, edge {edge}: the fold to face {neighbour} is {:.3}°, at most {:.3}° can be chamfered", .angle.to_degrees(), .most.to_degrees())]
     Fold {
@@ -125,10 +133,11 @@ pub enum PanelIssue {
 }
 
 impl PanelIssue {
-    /// The mesh face, which is also the panel index.
+    /// The mesh face, which is also the panel index; for a node the first of its faces.
     #[must_use]
     pub fn face(&self) -> u32 {
-        match *self {
+        match self {
+            Self::SharpNode { faces, .. } => faces.first().copied().unwrap_or(0),
             Self::NoArea { face }
             | Self::ShortEdge { face, .. }
             | Self::Concave { face, .. }
@@ -138,14 +147,14 @@ impl PanelIssue {
             | Self::Projected { face, .. }
             | Self::Fold { face, .. }
             | Self::BorderLean { face, .. }
-            | Self::OffsetFlips { face, .. } => face,
+            | Self::OffsetFlips { face, .. } => *face,
         }
     }
 
     /// Whether the panel could not be made.
     #[must_use]
     pub fn is_fatal(&self) -> bool {
-        !matches!(self, Self::Projected { .. })
+        !matches!(self, Self::Projected { .. } | Self::SharpNode { .. })
     }
 }
 

@@ -3,6 +3,7 @@
 use super::shells::*;
 use super::*;
 use crate::mesh::Mesh;
+use glam::DVec3;
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -76,25 +77,108 @@ fn the_shell_has_no_overlap_and_voiding_is_why() {
     }
 }
 
+/// A triangulated height field: inner nodes of valence 6, not conical.
+fn triangles(n: usize, step: f64, heights: &[f64]) -> Mesh {
+    let quads = grid(n + 1, n + 1, |i, j| {
+        let skew = step * (0.5 * j as f64 + 0.1 * (1.7 * (i * j) as f64).sin());
+        DVec3::new(step * i as f64 + skew, step * 0.9 * j as f64, heights[(i + 7 * j) % heights.len()])
+    });
+    let faces: Vec<[u32; 3]> = (0..quads.face_count())
+        .flat_map(|f| {
+            let q = quads.face(f);
+            [[q[0], q[1], q[3]], [q[1], q[2], q[3]]]
+        })
+        .collect();
+    Mesh::from_faces(quads.points, &faces)
+}
+
+/// A projective image: planar faces stay planar, nothing stays parallel.
+fn projected(mut mesh: Mesh) -> Mesh {
+    for p in &mut mesh.points {
+        *p /= 1.0 + p.x * 2e-4 + p.y * 1e-4 + p.z * 3e-4;
+    }
+    mesh
+}
+
+/// Part of a sphere with meridians and parallels: every inner node is conical.
+fn dome() -> Mesh {
+    grid(9, 7, |i, j| {
+        let (along, up) = (0.15 * i as f64, 0.2 + 0.15 * j as f64);
+        2000.0 * DVec3::new(up.cos() * along.cos(), up.cos() * along.sin(), up.sin())
+    })
+}
+
+#[test]
+fn conical_nodes_are_not_voided() {
+    let mesh = dome();
+    let (set, issues) = thicken(&mesh, &ThickenParams::new(21.0)).unwrap();
+    assert_eq!(issues, []);
+    check_all(&mesh, &set, 21.0);
+    let inner = |v: u32| (1..8).contains(&(v % 9)) && (1..6).contains(&(v / 9));
+    let voided = (0..set.front.len()).filter(|&c| inner(set.vertex[c]) && set.voided[c]).count();
+    assert_eq!(voided, 0);
+    assert!(overlap(&mesh, &set).1 <= 1e-9);
+}
+
+#[test]
+fn nodes_of_six_panels_do_not_overlap() {
+    let heights: Vec<f64> = (0..49).map(|i| 40.0 * (5.3 * f64::from(i)).sin()).collect();
+    let mesh = triangles(6, 250.0, &heights);
+    let (set, issues) = thicken(&mesh, &ThickenParams::new(21.0)).unwrap();
+    assert_eq!(issues, []);
+    check_all(&mesh, &set, 21.0);
+    assert!(overlap(&mesh, &set).1 <= 1e-9);
+    let (kept, _) = thicken(&mesh, &ThickenParams { nodes: Nodes::Keep, ..ThickenParams::new(21.0) }).unwrap();
+    assert!(overlap(&mesh, &kept).1 > 1e-6);
+}
+
+#[test]
+fn chamfers_of_neighbours_coincide() {
+    let mesh = shell();
+    let (set, _) = thicken(&mesh, &ThickenParams::new(21.0)).unwrap();
+    let mut inner = 0;
+    for c in 0..set.front.len() {
+        let Some(n) = set.neighbour[c] else { continue };
+        let t = set.corners(n.panel as usize).start + n.edge as usize;
+        inner += 1;
+        assert_eq!(set.chamfer[c].normal, -set.chamfer[t].normal);
+        assert_eq!(set.chamfer[c].offset, -set.chamfer[t].offset);
+        assert!(set.back_start[c].distance(set.back_end[t]) < 1e-9);
+    }
+    assert_eq!(inner, 2 * 2 * 15 * 16);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn random_vector_sums_do_not_overlap(
-        a in prop::collection::vec((150.0..300.0, -60.0..60.0, -60.0..60.0), 4),
-        b in prop::collection::vec((-60.0..60.0, 150.0..300.0, -60.0..60.0), 4),
+        a in prop::collection::vec((150.0..300.0, -90.0..90.0, -90.0..90.0), 4),
+        b in prop::collection::vec((-90.0..90.0, 150.0..300.0, -90.0..90.0), 4),
         d in 5.0..25.0,
+        project: bool,
     ) {
         let walk = |steps: &[(f64, f64, f64)]| {
-            let mut p = glam::DVec3::ZERO;
-            let mut out = vec![p];
+            let mut out = vec![DVec3::ZERO];
+            let mut p = DVec3::ZERO;
             for &(x, y, z) in steps {
-                p += glam::DVec3::new(x, y, z);
+                p += DVec3::new(x, y, z);
                 out.push(p);
             }
             out
         };
         let mesh = vector_sum(&walk(&a), &walk(&b));
+        let mesh = if project { projected(mesh) } else { mesh };
+        let (set, issues) = thicken(&mesh, &ThickenParams::new(d)).unwrap();
+        prop_assert_eq!(issues, vec![]);
+        check_all(&mesh, &set, d);
+        let (most, share) = overlap(&mesh, &set);
+        prop_assert!(share <= 1e-9, "{} mm³, {}", most, share);
+    }
+
+    #[test]
+    fn random_triangle_meshes_do_not_overlap(heights in prop::collection::vec(0.0..80.0, 25), d in 5.0..25.0) {
+        let mesh = triangles(4, 250.0, &heights);
         let (set, issues) = thicken(&mesh, &ThickenParams::new(d)).unwrap();
         prop_assert_eq!(issues, vec![]);
         check_all(&mesh, &set, d);

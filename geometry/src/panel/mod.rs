@@ -3,6 +3,7 @@
 mod border;
 mod clip;
 mod issue;
+mod node;
 mod set;
 mod solid;
 mod thicken;
@@ -14,6 +15,8 @@ pub use solid::Solid;
 pub use thicken::{Nodes, ThickenParams, thicken};
 
 #[cfg(test)]
+mod faults;
+#[cfg(test)]
 mod laws;
 #[cfg(test)]
-mod shells;
+pub(crate) mod shells;

@@ -2,6 +2,7 @@
 
 use super::border::{BorderCut, BorderRule};
 use super::issue::{PanelIssue, ThickenError};
+use super::node::{Cone, Inset};
 use super::set::{EdgeRef, PanelSet, Side};
 use crate::mesh::{Address, Adjacency, Mesh};
 use crate::plane::Plane;
@@ -104,6 +105,10 @@ pub fn thicken(mesh: &Mesh, params: &ThickenParams) -> Result<(PanelSet, Vec<Pan
     work.fit_faces();
     work.cut_edges()?;
     work.propose_corners();
+    if params.nodes == Nodes::Void {
+        work.widen_nodes();
+    }
+    // First the panels that are impossible by themselves, so that they do not take their neighbours along.
     work.check_offsets(Nodes::Keep);
     if params.nodes == Nodes::Void {
         work.check_offsets(Nodes::Void);
@@ -114,33 +119,27 @@ pub fn thicken(mesh: &Mesh, params: &ThickenParams) -> Result<(PanelSet, Vec<Pan
 }
 
 /// Per-corner columns are indexed like `Mesh::face_vertices`.
-struct Work<'a> {
-    mesh: &'a Mesh,
-    adjacency: &'a Adjacency,
-    params: &'a ThickenParams,
-    issues: Vec<PanelIssue>,
+pub(super) struct Work<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) adjacency: &'a Adjacency,
+    pub(super) params: &'a ThickenParams,
+    pub(super) issues: Vec<PanelIssue>,
     /// Per face: whether it can still become a panel.
-    alive: Vec<bool>,
+    pub(super) alive: Vec<bool>,
     /// Per face: its fitted plane; meaningless where there is no area.
-    plane: Vec<Option<Plane>>,
+    pub(super) plane: Vec<Option<Plane>>,
     /// Per corner: unit direction of its edge.
-    along: Vec<DVec3>,
+    pub(super) along: Vec<DVec3>,
     /// Per corner: length of its edge, mm.
-    length: Vec<f64>,
+    pub(super) length: Vec<f64>,
     /// Per corner: chamfer plane of its edge.
-    chamfer: Vec<Plane>,
+    pub(super) chamfer: Vec<Plane>,
     /// Per corner: how the corner moves along both its chamfers while sinking 1 mm into the wood.
-    sink: Vec<DVec3>,
+    pub(super) sink: Vec<DVec3>,
     /// Per corner: height of the mesh vertex above the fitted plane, mm.
-    height: Vec<f64>,
-}
-
-/// Where a panel proposes that a back edge ends: `at` mm inwards along the edge, `per_depth` more for every mm of
-/// thickness.
-#[derive(Clone, Copy)]
-struct Inset {
-    at: f64,
-    per_depth: f64,
+    pub(super) height: Vec<f64>,
+    /// Per vertex: the cone that voids it, on nodes of more panels than the rule of two candidates can part.
+    pub(super) cone: Vec<Option<Cone>>,
 }
 
 impl<'a> Work<'a> {
@@ -158,6 +157,7 @@ impl<'a> Work<'a> {
             chamfer: vec![Plane { normal: DVec3::Z, offset: 0.0 }; corners],
             sink: vec![DVec3::ZERO; corners],
             height: vec![0.0; corners],
+            cone: Vec::new(),
         }
     }
 
@@ -296,38 +296,14 @@ impl<'a> Work<'a> {
             let line = before.cross(self.chamfer[c as usize].normal);
             let rise = plane.normal.dot(line);
             // Positive: the outline is convex and no chamfer leans by a right angle. Only a corner that is straight to
-            // within the slope of its edges can come out otherwise. The comparison also refuses NaN.
-            if !(rise > 0.0) {
+            // within the slope of its edges can come out otherwise.
+            if rise.is_nan() || rise <= 0.0 {
                 let (face, least) = (face as u32, self.params.min_turn);
                 self.fail(PanelIssue::Concave { face, corner: self.edge(c), turn: rise, least });
                 continue;
             }
             self.sink[c as usize] = -line / rise;
             self.height[c as usize] = plane.distance(self.vertex(c));
-        }
-    }
-
-    /// What the panel of corner `c` proposes for the start of edge `c`.
-    fn start(&self, c: u32) -> Inset {
-        let c = c as usize;
-        let per_depth = self.sink[c].dot(self.along[c]);
-        Inset { at: per_depth * (self.height[c] + self.params.thickness), per_depth }
-    }
-
-    /// What the panel of corner `c` proposes for the end of edge `c`.
-    fn end(&self, c: u32) -> Inset {
-        let n = self.adjacency.next(c) as usize;
-        let per_depth = -self.sink[n].dot(self.along[c as usize]);
-        Inset { at: per_depth * (self.height[n] + self.params.thickness), per_depth }
-    }
-
-    /// The candidates for both ends of edge `c`: the panel's own, and the neighbour's where nodes are voided.
-    fn candidates(&self, c: u32, nodes: Nodes) -> [[Inset; 2]; 2] {
-        let (start, end) = (self.start(c), self.end(c));
-        let living = |t: &u32| self.alive[self.adjacency.face_of(*t) as usize];
-        match self.adjacency.twin(c).filter(living) {
-            Some(t) if nodes == Nodes::Void => [[start, self.end(t)], [end, self.start(t)]],
-            _ => [[start; 2], [end; 2]],
         }
     }
 
@@ -342,8 +318,11 @@ impl<'a> Work<'a> {
             let mut worst: Option<(f64, u32, f64)> = None;
             for c in self.adjacency.corners(face) {
                 let front = self.length[c as usize];
-                let [starts, ends] = self.candidates(c, nodes);
-                let length = front - starts[0].at.max(starts[1].at) - ends[0].at.max(ends[1].at);
+                let furthest = |[own, other]: [Inset; 2]| own.at.max(other.at);
+                let [start, end] = self.candidates(c, nodes).map(furthest);
+                let length = front - start - end;
+                // The largest thickness holds for the nodes as they will be.
+                let [starts, ends] = self.candidates(c, self.params.nodes);
                 let mut largest = f64::INFINITY;
                 for (s, e) in starts.iter().flat_map(|s| ends.iter().map(move |e| (s, e))) {
                     let rate = s.per_depth + e.per_depth;
