@@ -1,0 +1,311 @@
+//! Tool paths of whole boards, in two steps: every part in its own frame (which also tells the packer what it clears),
+//! then every part in its place on its board.
+
+use super::body::Envelope;
+use super::contour;
+use super::drill::{Hole, drill};
+use super::engrave::{Text, engrave};
+use super::path::{Operation, Purpose, ToolPaths};
+use super::reach::{PathError, PathIssue, PathParams, Place, Reach};
+use super::trace::Trace;
+use crate::board::{Layout, PartSet, facets};
+use crate::joint::{Feature, Machining};
+use crate::machine::{Machine, ToolKind};
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Tool paths of every part in its part frame (all on board 0), one part after the other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PartPaths {
+    /// Operations and moves; a part's operations are ordered by purpose, then tool.
+    pub paths: ToolPaths,
+    /// First operation of each part; one entry more than there are parts.
+    pub operation_start: Vec<u32>,
+    /// Whether the part cannot be cut out and was left out as a whole.
+    pub failed: Vec<bool>,
+    /// What cannot be made, by part.
+    pub issues: Vec<PathIssue>,
+}
+
+impl PartPaths {
+    /// Operations of part `i`.
+    #[must_use]
+    pub fn of_part(&self, i: usize) -> &[Operation] {
+        match (self.operation_start.get(i), self.operation_start.get(i + 1)) {
+            (Some(&a), Some(&b)) => &self.paths.operations[a as usize..b as usize],
+            _ => &[],
+        }
+    }
+}
+
+/// Tool paths of every part in its part frame: fixing holes, engraving, drilling, contour. A part that cannot be cut
+/// out gets no paths, a feature that cannot be made is left out; both are named in [`PartPaths::issues`]. Parts run in
+/// parallel. O(features · tools + passes).
+///
+/// # Errors
+/// A parameter out of range, a machine without end mill or with a safe height inside the board, cancellation.
+pub fn cut_parts(
+    parts: &PartSet,
+    machine: &Machine,
+    params: &PathParams,
+    progress: &(dyn Fn(f64) -> bool + Sync),
+) -> Result<PartPaths, PathError> {
+    let top = parts.panels.thickness;
+    params.check(machine, top)?;
+    let tools: Vec<Reach> = machine
+        .tools
+        .iter()
+        .enumerate()
+        .map(|(index, tool)| {
+            let body = Envelope::new(machine, tool);
+            Reach { machine, tool, index: index as u32, body, top, clearance: params.clearance }
+        })
+        .collect();
+    let mill = end_mill(&tools, params)?;
+    let n = parts.panels.len();
+    let own = features_by_part(parts);
+    let (done, cancelled) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let single: Vec<(Trace, Vec<PathIssue>, bool)> = (0..n)
+        .into_par_iter()
+        .map(|i| {
+            let count = done.fetch_add(1, Ordering::Relaxed);
+            // A callback per part would cost more than the part.
+            if count.is_multiple_of(64) && !progress(count as f64 / n as f64) {
+                cancelled.store(true, Ordering::Relaxed);
+            }
+            if cancelled.load(Ordering::Relaxed) || !parts.panels.is_valid(i) {
+                return (Trace::default(), Vec::new(), false);
+            }
+            cut_part(parts, i, &own[i], &tools, mill, params)
+        })
+        .collect();
+    if cancelled.into_inner() {
+        return Err(PathError::Cancelled);
+    }
+    let mut all = PartPaths { operation_start: vec![0], ..PartPaths::default() };
+    for (trace, issues, failed) in single {
+        append(&mut all.paths, trace.paths);
+        all.operation_start.push(all.paths.operations.len() as u32);
+        all.issues.extend(issues);
+        all.failed.push(failed);
+    }
+    Ok(all)
+}
+
+/// Indices of the machine's features per part.
+fn features_by_part(parts: &PartSet) -> Vec<Vec<u32>> {
+    let mut own = vec![Vec::new(); parts.panels.len()];
+    for (k, f) in parts.features.features.iter().enumerate() {
+        if let Some(list) = own.get_mut(f.panel as usize) {
+            list.push(k as u32);
+        }
+    }
+    own
+}
+
+/// Moves the columns of `from` to the end of `to`.
+fn append(to: &mut ToolPaths, from: ToolPaths) {
+    let shift = to.tip.len() as u32;
+    to.operations.extend(
+        from.operations.into_iter().map(|op| Operation { moves: op.moves.start + shift..op.moves.end + shift, ..op }),
+    );
+    to.kind.extend(from.kind);
+    to.tip.extend(from.tip);
+    to.axis.extend(from.axis);
+    to.feed.extend(from.feed);
+}
+
+/// The contour tool.
+fn end_mill<'a, 'b>(tools: &'b [Reach<'a>], params: &PathParams) -> Result<&'b Reach<'a>, PathError> {
+    let mills = || tools.iter().filter(|t| t.tool.kind == ToolKind::EndMill);
+    let found = match params.contour_tool {
+        Some(number) => mills().find(|t| t.tool.number == number),
+        // The first of the widest.
+        None => mills().fold(None, |best: Option<&Reach>, t| match best {
+            Some(b) if b.tool.diameter >= t.tool.diameter => Some(b),
+            _ => Some(t),
+        }),
+    };
+    found.ok_or_else(|| PathError::NoTool {
+        wanted: params.contour_tool.map_or("end mill".into(), |n| format!("end mill T{n}")),
+        available: list(mills()),
+    })
+}
+
+/// Tools for people.
+fn list<'a, 'b: 'a>(tools: impl Iterator<Item = &'a Reach<'b>>) -> String {
+    let names: Vec<String> = tools.map(|t| format!("T{} Ø{}", t.tool.number, t.tool.diameter)).collect();
+    if names.is_empty() { "none".into() } else { names.join(", ") }
+}
+
+/// One part: all its operations, its issues and whether it failed as a whole.
+fn cut_part(
+    parts: &PartSet,
+    i: usize,
+    features: &[u32],
+    tools: &[Reach],
+    mill: &Reach,
+    params: &PathParams,
+) -> (Trace, Vec<PathIssue>, bool) {
+    let part = i as u32;
+    let mut issues = Vec::new();
+    let mut out = Trace::default();
+    // (purpose, tool, feature) sorts the features into machining order; tools are chosen by trying them.
+    let mut made: Vec<(Purpose, u32, u32, Range<u32>)> = Vec::new();
+    let mut draft = Trace::default();
+    for &k in features {
+        let from = draft.len();
+        match make_feature(&parts.features.features[k as usize], tools, params, &mut draft) {
+            Ok((purpose, tool)) => made.push((purpose, tool, k, from..draft.len())),
+            Err(error) => {
+                draft.truncate(from);
+                issues.push(PathIssue { part, place: Place::Feature(k), error });
+            }
+        }
+    }
+    made.sort_by_key(|(purpose, tool, k, _)| (*purpose, *tool, *k));
+    for (purpose, tool, _, moves) in made {
+        let from = out.len();
+        for m in moves.start as usize..moves.end as usize {
+            out.axis = draft.paths.axis[m];
+            out.go(draft.paths.kind[m], draft.paths.tip[m], draft.paths.feed[m]);
+        }
+        out.close(from, purpose, part, tool);
+    }
+    // Clockwise around the part, beginning with the first edge, so that each cut starts near the last one's end.
+    let mut around = facets(&parts.panels, i);
+    let heading = |n: glam::DVec3| n.y.atan2(n.x);
+    let first = around.first().map_or(0.0, |f| heading(f.plane.normal));
+    let after = |n: glam::DVec3| (first - heading(n)).rem_euclid(std::f64::consts::TAU);
+    if let Some(rest) = around.get_mut(1..) {
+        rest.sort_by(|a, b| after(a.plane.normal).total_cmp(&after(b.plane.normal)));
+    }
+    let mut failed = false;
+    for facet in &around {
+        let from = out.len();
+        match contour::cut(mill, params, facet, &mut out) {
+            Ok(()) => out.close(from, Purpose::Contour, part, mill.index),
+            Err(error) => {
+                failed = true;
+                issues.push(PathIssue { part, place: Place::Facet(facet.name), error });
+            }
+        }
+    }
+    if failed {
+        out = Trace::default();
+    }
+    (out, issues, failed)
+}
+
+/// Makes a feature with the first tool of the right kind and size that reaches it.
+fn make_feature(
+    feature: &Feature,
+    tools: &[Reach],
+    params: &PathParams,
+    out: &mut Trace,
+) -> Result<(Purpose, u32), PathError> {
+    let from = out.len();
+    let mut try_tools = |wanted: &dyn Fn(&Reach) -> bool,
+                         named: &dyn Fn() -> (String, String),
+                         make: &dyn Fn(&Reach, &mut Trace) -> Result<(), PathError>| {
+        let mut last = None;
+        for reach in tools.iter().filter(|t| wanted(t)) {
+            match make(reach, out) {
+                Ok(()) => return Ok(reach.index),
+                Err(error) => {
+                    out.truncate(from);
+                    last = Some(error);
+                }
+            }
+        }
+        Err(last.unwrap_or_else(|| {
+            let (wanted, available) = named();
+            PathError::NoTool { wanted, available }
+        }))
+    };
+    let no_operation = |what| Err(PathError::NoOperation { what });
+    match &feature.machining {
+        Machining::Drill { entry, axis, depth, diameter } => {
+            let hole = Hole { entry: *entry, axis: *axis, depth: *depth };
+            let is_drill = |t: &Reach| matches!(t.tool.kind, ToolKind::Drill { .. });
+            let tool = try_tools(
+                // Diameters are typed by people; a nanometre apart is the same number.
+                &|t| is_drill(t) && (t.tool.diameter - diameter).abs() < 1e-6,
+                &|| (format!("drill of Ø{diameter}"), list(tools.iter().filter(|t| is_drill(t)))),
+                &|t, out| drill(t, params, &hole, out),
+            )?;
+            Ok((if feature.purpose == "fixing" { Purpose::Fixing } else { Purpose::Drilling }, tool))
+        }
+        Machining::Engraving { origin, along, axis, height, depth, text } => {
+            let text = Text { origin: *origin, along: *along, axis: *axis, height: *height, depth: *depth, text };
+            let tool = try_tools(
+                &|t| matches!(t.tool.kind, ToolKind::Engraver { .. }),
+                &|| ("engraving tool".into(), list(tools.iter())),
+                &|t, out| engrave(t, params, &text, out),
+            )?;
+            Ok((Purpose::Engraving, tool))
+        }
+        Machining::Slot { .. } => no_operation("slot"),
+        Machining::Pocket { .. } => no_operation("pocket"),
+        Machining::Contour { .. } => no_operation("contour along a line"),
+    }
+}
+
+/// Puts the paths of all placed parts on their boards, ordered by board, purpose, tool, then the layout's order. A
+/// part whose moves leave the travel of X or Y is left out and named. O(p log p + moves).
+#[must_use]
+pub fn place_paths(paths: &PartPaths, layout: &Layout, machine: &Machine) -> (ToolPaths, Vec<PathIssue>) {
+    let mut issues = Vec::new();
+    let mut order = Vec::new();
+    for (rank, place) in layout.placements.iter().enumerate() {
+        let ops = paths.of_part(place.part as usize);
+        let moves = ops.first().map_or(0, |o| o.moves.start as usize)..ops.last().map_or(0, |o| o.moves.end as usize);
+        let out_of_reach = paths.paths.tip[moves].iter().find_map(|p| {
+            let p = place.point(*p);
+            [p.x, p.y].into_iter().zip(&machine.linear).find(|(at, axis)| !(axis.min..=axis.max).contains(at))
+        });
+        if let Some((at, axis)) = out_of_reach {
+            let error = PathError::Travel { letter: axis.letter, at, min: axis.min, max: axis.max };
+            issues.push(PathIssue { part: place.part, place: Place::Board(place.board), error });
+            continue;
+        }
+        order.extend(ops.iter().map(|op| (place.board, op.purpose, op.tool, rank, op)));
+    }
+    order.sort_by_key(|(board, purpose, tool, rank, _)| (*board, *purpose, *tool, *rank));
+    let total = order.iter().map(|(.., op)| op.moves.len()).sum();
+    let mut out = ToolPaths { operations: Vec::with_capacity(order.len()), ..ToolPaths::default() };
+    out.kind.reserve(total);
+    out.tip.reserve(total);
+    out.axis.reserve(total);
+    out.feed.reserve(total);
+    for (board, _, _, rank, op) in order {
+        let place = &layout.placements[rank];
+        let from = out.tip.len() as u32;
+        let moves = op.moves.start as usize..op.moves.end as usize;
+        out.kind.extend_from_slice(&paths.paths.kind[moves.clone()]);
+        out.feed.extend_from_slice(&paths.paths.feed[moves.clone()]);
+        out.tip.extend(paths.paths.tip[moves.clone()].iter().map(|p| place.point(*p)));
+        out.axis.extend(paths.paths.axis[moves].iter().map(|v| place.vector(*v)));
+        out.operations.push(Operation { board, moves: from..out.tip.len() as u32, ..op.clone() });
+    }
+    (out, issues)
+}
+
+/// [`cut_parts`] and [`place_paths`] in one: the tool paths of a layout and all that could not be made.
+///
+/// # Errors
+/// Those of [`cut_parts`].
+pub fn tool_paths(
+    parts: &PartSet,
+    layout: &Layout,
+    machine: &Machine,
+    params: &PathParams,
+    progress: &(dyn Fn(f64) -> bool + Sync),
+) -> Result<(ToolPaths, Vec<PathIssue>), PathError> {
+    let own = cut_parts(parts, machine, params, progress)?;
+    let (placed, unplaceable) = place_paths(&own, layout, machine);
+    let mut issues = own.issues;
+    issues.extend(unplaceable);
+    Ok((placed, issues))
+}
