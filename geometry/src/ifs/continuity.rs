@@ -134,17 +134,25 @@ impl Continuity {
 fn chain(ends: &[[u32; 2]]) -> Traversal {
     let k = ends.len();
     let mut traversal = Traversal { letters: Vec::with_capacity(k), reversed: vec![false; k] };
-    let mut used = vec![false; k];
+    // How many unused segments end in each point.
+    let mut count: HashMap<u32, usize> = HashMap::new();
+    for [a, b] in ends {
+        *count.entry(*a).or_default() += 1;
+        *count.entry(*b).or_default() += usize::from(a != b);
+    }
+    let mut unused: Vec<usize> = (0..k).collect();
     let mut reached = None;
-    for _ in 0..k {
-        let unused = |i: &usize| !used[*i];
-        let next = (0..k)
-            .filter(unused)
-            .find_map(|i| (0..2).find(|&side| reached == Some(ends[i][side])).map(|side| (i, side)));
-        let shared = |i: usize, side: usize| (0..k).any(|j| j != i && !used[j] && ends[j].contains(&ends[i][side]));
-        let free = || (0..k).filter(unused).find_map(|i| (0..2).find(|&side| !shared(i, side)).map(|side| (i, side)));
-        let Some((i, side)) = next.or_else(free).or_else(|| (0..k).find(unused).map(|i| (i, 0))) else { break };
-        used[i] = true;
+    while !unused.is_empty() {
+        let find = |wanted: &dyn Fn(u32) -> bool| {
+            let sides = unused.iter().enumerate().flat_map(|(at, &i)| [(at, i, 0), (at, i, 1)]);
+            sides.into_iter().find(|&(_, i, side)| wanted(ends[i][side]))
+        };
+        let next = find(&|end| Some(end) == reached).or_else(|| find(&|end| count.get(&end) == Some(&1)));
+        let (at, i, side) = next.unwrap_or((0, unused[0], 0));
+        unused.remove(at);
+        let [a, b] = ends[i];
+        count.entry(a).and_modify(|c| *c -= 1);
+        count.entry(b).and_modify(|c| *c -= usize::from(a != b));
         traversal.letters.push(i as u32);
         traversal.reversed[i] = side == 1;
         reached = Some(ends[i][1 - side]);

@@ -2,6 +2,7 @@
 
 use super::error::CurveError;
 use glam::{DVec3, DVec4, Vec4Swizzles};
+use rayon::prelude::*;
 use std::fmt;
 use std::ops::Range;
 
@@ -111,7 +112,8 @@ impl Words {
 }
 
 impl Curve {
-    /// A curve of given homogeneous points in one strip; segment `i` is named `1/i+1`.
+    /// A curve of given homogeneous points in one strip: an element by itself, whose germ is the polyline. Segment `i`
+    /// is named `1/#i+1`.
     ///
     /// # Errors
     /// [`CurveError::TooFewPoints`], [`CurveError::NotFinite`], [`CurveError::Weight`] (W ≤ 0).
@@ -124,8 +126,8 @@ impl Curve {
         if segments > super::MAX_SEGMENTS {
             return Err(CurveError::TooManySegments { iterations: 0, limit: super::MAX_SEGMENTS, largest: 0 });
         }
-        let traversal = Traversal { letters: (0..segments as u32).collect(), reversed: vec![false; segments] };
-        let words = Words { base: segments as u32, digits: 1, parts: 1, traversal };
+        let traversal = Traversal { letters: vec![0], reversed: vec![false] };
+        let words = Words { base: 1, digits: 0, parts: segments as u32, traversal };
         for (i, p) in points.iter().enumerate() {
             if !p.is_finite() {
                 return Err(CurveError::NotFinite { patch: 0, control: i });
@@ -181,12 +183,12 @@ impl Curve {
     /// The points in space, mm: (WX, WY, WZ) / W. All are finite. O(points).
     #[must_use]
     pub fn projected(&self) -> Vec<DVec3> {
-        self.points.iter().map(|p| p.xyz() / p.w).collect()
+        self.points.par_iter().with_min_len(1 << 14).map(|p| p.xyz() / p.w).collect()
     }
 }
 
 /// Whether a homogeneous point has a place in space.
 #[inline]
 pub(crate) fn drawable(p: DVec4) -> bool {
-    p.w > 0.0 && (p.xyz() / p.w).is_finite()
+    p.w > 0.0 && (p.xyz() * p.w.recip()).is_finite()
 }

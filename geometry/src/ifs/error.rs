@@ -171,7 +171,7 @@ pub enum CurveError {
         /// Whether it is closed.
         closed: bool,
     },
-    /// All control points lie in one place.
+    /// All control points lie in one place, within the tolerance.
     #[error("all control points lie in one place: the curve is a point")]
     OnePoint,
     /// A patch has a number of control points that is not the scheme's.

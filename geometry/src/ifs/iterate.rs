@@ -47,10 +47,10 @@ pub fn iterate(
     tolerance: f64,
     progress: &(dyn Fn(f64) -> bool + Sync),
 ) -> Result<Curve, CurveError> {
-    check_control(scheme, patches)?;
     if !(tolerance.is_finite() && tolerance >= 0.0) {
         return Err(CurveError::Tolerance { tolerance });
     }
+    check_control(scheme, patches, tolerance)?;
     check_count(scheme, patches.len(), iterations)?;
     let continuity = Continuity::of(scheme, iterations);
     let figure = Figure::new(scheme, &continuity, patches, iterations);
@@ -58,7 +58,7 @@ pub fn iterate(
     if figure.merged { figure.close(points, patches.len(), tolerance) } else { Ok(figure.split(points, &continuity)) }
 }
 
-fn check_control(scheme: &Scheme, patches: &[Vec<DVec4>]) -> Result<(), CurveError> {
+fn check_control(scheme: &Scheme, patches: &[Vec<DVec4>], tolerance: f64) -> Result<(), CurveError> {
     for (patch, control) in patches.iter().enumerate() {
         if control.is_empty() {
             return Err(CurveError::Empty);
@@ -75,8 +75,8 @@ fn check_control(scheme: &Scheme, patches: &[Vec<DVec4>]) -> Result<(), CurveErr
         }
     }
     let Some(&first) = patches.first().and_then(|p| p.first()) else { return Err(CurveError::Empty) };
-    // Homogeneous points are the same place when they are parallel.
-    if patches.iter().flatten().all(|p| p.xyz() * first.w == first.xyz() * p.w) {
+    let place = |p: &DVec4| p.xyz() / p.w;
+    if patches.iter().flatten().all(|p| place(p).distance(place(&first)) <= tolerance) {
         return Err(CurveError::OnePoint);
     }
     Ok(())
@@ -228,82 +228,5 @@ impl Figure {
         }
         strip_start.push(kept.len() as u32);
         Curve { points: kept, strip_start, closed: false, words: self.words }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::ifs::{Preset, homogeneous};
-    use glam::DVec3;
-
-    fn draw(preset: Preset, control: &[[f64; 2]], n: u32) -> Curve {
-        let scheme = Scheme::preset(preset).unwrap();
-        let control = control.iter().map(|&[x, y]| homogeneous(DVec3::new(x, y, 0.0), 1.0)).collect();
-        iterate(&scheme, &[control], n, 1e-6, &|_| true).unwrap()
-    }
-
-    fn assert_points(curve: &Curve, expected: &[[f64; 2]]) {
-        let points = curve.projected();
-        assert_eq!(points.len(), expected.len());
-        for (p, &[x, y]) in points.iter().zip(expected) {
-            assert!(p.distance(DVec3::new(x, y, 0.0)) < 1e-14, "{p} is not ({x}, {y})");
-        }
-    }
-
-    const S3: f64 = 1.732_050_807_568_877_2;
-
-    #[test]
-    fn koch_points_after_one_two_and_three_iterations() {
-        let control = [[0.0, 0.0], [0.5, S3 / 6.0], [1.0, 0.0]];
-        assert_points(&draw(Preset::Koch, &control, 1), &control);
-        let (third, apex) = (1.0 / 3.0, S3 / 6.0);
-        let two = [[0.0, 0.0], [third, 0.0], [0.5, apex], [2.0 * third, 0.0], [1.0, 0.0]];
-        assert_points(&draw(Preset::Koch, &control, 2), &two);
-        let three = [
-            [0.0, 0.0],
-            [third / 2.0, apex / 3.0],
-            [third, 0.0],
-            [third, apex * 2.0 / 3.0],
-            [0.5, apex],
-            [2.0 * third, apex * 2.0 / 3.0],
-            [2.0 * third, 0.0],
-            [1.0 - third / 2.0, apex / 3.0],
-            [1.0, 0.0],
-        ];
-        assert_points(&draw(Preset::Koch, &control, 3), &three);
-    }
-
-    #[test]
-    fn cantor_is_left_in_pieces() {
-        let curve = draw(Preset::Cantor, &[[0.0, 0.0], [9.0, 0.0]], 2);
-        assert_eq!(curve.strip_start, [0, 2, 4, 6, 8]);
-        let x = [0.0, 1.0, 2.0, 3.0, 6.0, 7.0, 8.0, 9.0];
-        assert_points(&curve, &x.map(|x| [x, 0.0]));
-        assert_eq!(curve.segment(2), Some((4, 5)));
-        assert_eq!(curve.word(2).unwrap().to_string(), "1/21");
-    }
-
-    #[test]
-    fn dragon_is_one_polyline_in_the_order_of_its_shared_points() {
-        let n = 10;
-        let curve = draw(Preset::Dragon, &[[0.0, 0.0], [0.5, 0.5], [1.0, 0.0]], n);
-        assert_eq!((curve.strip_count(), curve.segment_count()), (1, 1 << n));
-        let points = curve.projected();
-        let side = 0.5_f64.powi(n as i32 / 2);
-        for pair in points.windows(2) {
-            assert!((pair[0].distance(pair[1]) - side).abs() < 1e-14);
-        }
-        // Word order: the second copy is drawn backwards, so its second half comes first.
-        let words: Vec<String> = (0..4)
-            .map(|s| draw(Preset::Dragon, &[[0.0, 0.0], [0.5, 0.5], [1.0, 0.0]], 2).word(s).unwrap().to_string())
-            .collect();
-        assert_eq!(words, ["1/11", "1/12", "1/22", "1/21"]);
-    }
-
-    #[test]
-    fn b_spline_is_one_polyline() {
-        let curve = draw(Preset::CubicBSpline, &[[0.0, 0.0], [1.0, 2.0], [3.0, 2.0], [4.0, 0.0]], 12);
-        assert_eq!((curve.strip_count(), curve.points.len()), (1, 4097));
     }
 }

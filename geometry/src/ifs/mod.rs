@@ -4,7 +4,11 @@ mod basis;
 mod continuity;
 mod curve;
 mod error;
+#[cfg(test)]
+mod figures;
 mod iterate;
+#[cfg(test)]
+mod laws;
 mod least_norm;
 mod patches;
 mod preset;

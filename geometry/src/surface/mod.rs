@@ -2,6 +2,8 @@
 
 mod error;
 mod grid;
+#[cfg(test)]
+mod laws;
 mod tensor_product;
 mod vector_sum;
 
