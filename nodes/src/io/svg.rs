@@ -76,9 +76,10 @@ impl Svg {
             turn: 0.0,
             height,
             text: format!(
-                "Board {} · {} pieces · {:.0} % filled",
+                "Board {} · {} {} · {:.0} % filled",
                 board + 1,
                 pieces.len(),
+                if pieces.len() == 1 { "piece" } else { "pieces" },
                 100.0 * used / (size.x * size.y).max(1e-9)
             ),
         });
@@ -179,7 +180,7 @@ mod tests {
         assert_eq!(svg.matches("class=\"grain\"").count(), 2);
         assert_eq!(svg.matches("<g").count(), svg.matches("</g>").count());
         // 222 × 83 on 400 × 300.
-        assert!(one.contains("Board 1 · 1 pieces · 15 % filled"), "{one}");
+        assert!(one.contains("Board 1 · 1 piece · 15 % filled"), "{one}");
         // The upper face's first corner: 24 mm edge + 40, and 24 + 36 head + 300 - 50 from the top.
         assert!(one.contains("class=\"upper\" points=\"64.00,310.00 "), "{one}");
         assert!(!write_svg(&drawing, None).windows(5).any(|w| w == b"grain\""));
