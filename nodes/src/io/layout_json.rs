@@ -1,6 +1,7 @@
 //! The layout as JSON: boards, placements, outlines and frames, for programs that check or draw it.
 
 use super::drawing::{Drawing, DrawnPiece};
+use super::lines::{document, json};
 use serde::Serialize;
 use tenon_geometry::{DAffine3, DVec2};
 
@@ -46,8 +47,7 @@ pub fn write_layout_json(drawing: &Drawing) -> Vec<u8> {
         margin: board.margin,
         boards: drawing.boards,
     };
-    let lines = drawing.pieces.iter().map(|p| json(&record(p)));
-    document(&json(&head), "pieces", lines)
+    document(&head, [("pieces", drawing.pieces.iter().map(|p| json(&record(p))).collect())])
 }
 
 fn record(p: &DrawnPiece) -> Piece<'_> {
@@ -70,23 +70,6 @@ fn rows(frame: &DAffine3) -> [[f64; 4]; 3] {
         let m = frame.matrix3.row(r);
         [m.x, m.y, m.z, frame.translation[r]]
     })
-}
-
-/// A value as one line. None of our records can fail: their keys are strings.
-pub(super) fn json(value: &impl Serialize) -> String {
-    serde_json::to_string(value).unwrap_or_default()
-}
-
-/// `{ head, "key": [ one line each ] }`.
-pub(super) fn document(head: &str, key: &str, lines: impl Iterator<Item = String>) -> Vec<u8> {
-    let mut out = head.strip_suffix('}').unwrap_or(head).to_owned();
-    out.push_str(&format!(",\"{key}\":["));
-    for (n, line) in lines.enumerate() {
-        out.push_str(if n == 0 { "\n" } else { ",\n" });
-        out.push_str(&line);
-    }
-    out.push_str("\n]}\n");
-    out.into_bytes()
 }
 
 #[cfg(test)]

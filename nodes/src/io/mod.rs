@@ -8,6 +8,7 @@ pub mod dxf;
 #[cfg(test)]
 mod fixture;
 pub mod layout_json;
+mod lines;
 pub mod obj;
 pub mod pieces;
 pub mod svg;

@@ -1,7 +1,7 @@
 //! Piece list: what every panel is and where it lies, as CSV for people's tables and JSON for programs.
 
 use super::drawing::{DrawingError, by_part};
-use super::layout_json::{document, json};
+use super::lines::{document, json};
 use serde::Serialize;
 use std::fmt::Write as _;
 use tenon_geometry::DVec3;
@@ -168,7 +168,7 @@ pub fn write_pieces_json(parts: &PartSet, layout: &Layout) -> Result<Vec<u8>, Dr
         total,
         hardware: parts.features.hardware.iter().map(count).collect(),
     };
-    Ok(document(&json(&head), "pieces", pieces.iter().map(json)))
+    Ok(document(&head, [("pieces", pieces.iter().map(json).collect())]))
 }
 
 /// Writes the piece list as CSV (RFC 4180, a header line, points as decimal marks). Lengths have 3 decimals (mm), areas
