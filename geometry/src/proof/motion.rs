@@ -30,4 +30,6 @@ pub struct Program {
     pub board: u32,
     /// Its motions. The first one comes from an unknown place.
     pub motions: Vec<Motion>,
+    /// Line and problem, if the text is not a program; it has no motions then.
+    pub refused: Option<(u32, String)>,
 }

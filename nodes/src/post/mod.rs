@@ -3,9 +3,14 @@
 mod machine_file;
 mod number;
 mod parse;
+mod prove;
 mod words;
 mod write;
+
+#[cfg(test)]
+mod rejects;
 pub use machine_file::{MachineFile, MachineFileError, machine_preset, machine_presets, read_machine};
 pub use parse::{ProgramError, parse_program};
+pub use prove::{prove_programs, stamp};
 pub use words::Words;
 pub use write::{PostError, PostParams, PostedProgram, post};
