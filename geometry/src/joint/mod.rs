@@ -1,4 +1,16 @@
 //! Joints: machining features, fasteners along edges, hardware, reach.
 
+mod cover;
+mod fastener;
 mod feature;
+mod issue;
+mod rule;
+#[cfg(test)]
+mod tests;
+
+pub use fastener::{SCREW_LENGTHS, lay_all, lay_fasteners};
 pub use feature::{Feature, FeatureSet, Hardware, Machining};
+pub use issue::{FastenerError, JointIssue};
+pub use rule::{
+    Direction, EdgeSelection, Fastener, FastenerRule, Head, Height, Pin, PinKind, ScrewLength, ShortEdge, ToeScrew,
+};

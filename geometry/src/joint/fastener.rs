@@ -1,0 +1,376 @@
+//! Fasteners laid along edges: spacing, matched holes in both panels, hardware (METHODS §6, 000 §6.4).
+
+use super::cover::{Hole, PanelPlanes, segment_distance};
+use super::feature::{Feature, FeatureSet, Hardware, Machining};
+use super::issue::{FastenerError, JointIssue};
+use super::rule::{
+    Direction, EdgeSelection, Fastener, FastenerRule, Head, Height, Pin, PinKind, ScrewLength, ShortEdge, ToeScrew,
+};
+use crate::board::Up;
+use crate::panel::{PanelSet, Side};
+use crate::plane::Plane;
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// Lengths in which screws are sold, mm.
+pub const SCREW_LENGTHS: [f64; 16] =
+    [10.0, 12.0, 16.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 120.0];
+
+/// Lays the fasteners of one rule; see [`lay_all`].
+///
+/// # Errors
+/// A parameter out of its range.
+pub fn lay_fasteners(set: &PanelSet, rule: &FastenerRule) -> Result<(FeatureSet, Vec<JointIssue>), FastenerError> {
+    lay_all(set, std::slice::from_ref(rule))
+}
+
+/// Lays the fasteners of several rules, one after the other.
+///
+/// Each edge is treated once: on the line `height` of its chamfer, as far as both panels' chamfers reach, `L = line − 2
+/// end_distance` is divided into `ceil(L / spacing)` equal intervals with a fastener at each end (000 §6.4.1). The holes
+/// of one fastener share a joint number and lie on one axis. A fastener that leaves too little wood, or meets a hole
+/// laid before it, is left out on both panels and gives a fatal issue. Features are ordered by panel. Time O(e + p·h²)
+/// for e edges and h holes in each of p panels.
+///
+/// # Errors
+/// A parameter out of its range.
+pub fn lay_all(set: &PanelSet, rules: &[FastenerRule]) -> Result<(FeatureSet, Vec<JointIssue>), FastenerError> {
+    rules.iter().try_for_each(FastenerRule::check)?;
+    let mut lay = Lay {
+        set,
+        planes: PanelPlanes::new(set),
+        features: Vec::new(),
+        by_panel: vec![Vec::new(); set.len()],
+        hardware: BTreeMap::new(),
+        issues: Vec::new(),
+        joints: 0,
+    };
+    for rule in rules {
+        for panel in 0..set.len() as u32 {
+            for edge in 0..set.corners(panel as usize).len() as u32 {
+                lay.edge(rule, panel, edge);
+            }
+        }
+    }
+    let mut features = lay.features;
+    features.sort_by_key(|f| f.panel);
+    let hardware = lay.hardware.into_iter().map(|(name, count)| Hardware { name, count }).collect();
+    Ok((FeatureSet { features, by_hand: Vec::new(), hardware }, lay.issues))
+}
+
+struct Lay<'a> {
+    set: &'a PanelSet,
+    planes: PanelPlanes,
+    features: Vec<Feature>,
+    /// Indices of the features of each panel.
+    by_panel: Vec<Vec<u32>>,
+    hardware: BTreeMap<String, u64>,
+    issues: Vec<JointIssue>,
+    joints: u32,
+}
+
+/// One panel's view of an edge.
+#[derive(Clone, Copy)]
+struct Half {
+    panel: u32,
+    edge: u32,
+    /// Unit direction of the edge.
+    along: DVec3,
+    /// Plane of the front face.
+    front: Plane,
+    chamfer: Plane,
+}
+
+impl Half {
+    /// In the front face, perpendicular to the edge, away from the panel.
+    fn outward(&self) -> DVec3 {
+        self.along.cross(self.front.normal)
+    }
+}
+
+/// Where one fastener goes.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    rule: &'a FastenerRule,
+    first: Half,
+    second: Option<Half>,
+    at: DVec3,
+    /// Along the edge, from 0.
+    number: u32,
+}
+
+impl Place<'_> {
+    fn hole(&self, entry: DVec3, axis: DVec3) -> Hole {
+        let radius = 0.5 * self.rule.hole();
+        Hole { entry, axis, radius, point: (radius / (0.5 * self.rule.point_angle).tan()).max(0.0) }
+    }
+
+    /// Cosine between the axis and the chamfer's normal, if the fastener crosses the chamfer steeply enough.
+    fn crossing(&self, axis: DVec3) -> Result<f64, JointIssue> {
+        let across = axis.dot(self.first.chamfer.normal);
+        let (angle, least) = (across.clamp(-1.0, 1.0).asin(), self.rule.least_crossing);
+        if angle < least {
+            let (panel, edge) = (self.first.panel, self.first.edge);
+            return Err(JointIssue::AlongChamfer { panel, edge, angle, least });
+        }
+        Ok(across)
+    }
+
+    fn enough_wood(&self, half: Half, remains: f64) -> Result<(), JointIssue> {
+        let cover = self.rule.cover;
+        if remains < cover {
+            let (panel, edge, number) = (half.panel, half.edge, self.number);
+            return Err(JointIssue::ThinWood { panel, edge, number, diameter: self.rule.hole(), remains, cover });
+        }
+        Ok(())
+    }
+}
+
+impl Lay<'_> {
+    fn half(&self, panel: u32, edge: u32) -> Half {
+        let corners = self.set.corners(panel as usize);
+        let c = corners.start + edge as usize;
+        let next = corners.start + (edge as usize + 1) % corners.len();
+        Half {
+            panel,
+            edge,
+            along: (self.set.front[next] - self.set.front[c]).normalize(),
+            front: Plane::through(self.set.front[corners.start], self.set.normal[panel as usize]),
+            chamfer: self.set.chamfer[c],
+        }
+    }
+
+    /// The line at `height` on an edge's chamfer.
+    fn chord(&self, panel: u32, edge: u32, height: f64) -> [DVec3; 2] {
+        let (set, corners) = (self.set, self.set.corners(panel as usize));
+        let c = corners.start + edge as usize;
+        let next = corners.start + (edge as usize + 1) % corners.len();
+        [set.front[c].lerp(set.back_start[c], height), set.front[next].lerp(set.back_end[c], height)]
+    }
+
+    fn edge(&mut self, rule: &FastenerRule, panel: u32, edge: u32) {
+        let c = self.set.corners(panel as usize).start + edge as usize;
+        let neighbour = self.set.neighbour[c];
+        let inner = neighbour.is_some();
+        let selected = match rule.edges {
+            EdgeSelection::All => true,
+            EdgeSelection::Inner => inner,
+            EdgeSelection::Border => !inner,
+            EdgeSelection::AlongRows => inner && matches!(self.set.side[c], Side::Bottom | Side::Top),
+            EdgeSelection::AcrossRows => inner && matches!(self.set.side[c], Side::Left | Side::Right),
+        };
+        // Once per edge: by the panel that comes first.
+        if !selected || neighbour.is_some_and(|n| (n.panel, n.edge) < (panel, edge)) {
+            return;
+        }
+        let (own, other) = (self.half(panel, edge), neighbour.map(|n| self.half(n.panel, n.edge)));
+        let height = match rule.height {
+            Height::At(height) => height,
+            Height::Balanced => {
+                let (first, second) = self.by_head(rule.head, own, other, 0);
+                self.balanced(&Place { rule, first, second, at: DVec3::ZERO, number: 0 })
+            }
+        };
+        let [from, to] = self.chord(panel, edge, height);
+        let along = (to - from).normalize();
+        let (mut start, mut end) = (0.0, from.distance(to));
+        if let Some(n) = neighbour {
+            let [b, a] = self.chord(n.panel, n.edge, height).map(|p| along.dot(p - from));
+            (start, end) = (f64::max(start, a), f64::min(end, b));
+        }
+        for (number, s) in self.places(rule, panel, edge, [start, end]).into_iter().enumerate() {
+            let (first, second) = self.by_head(rule.head, own, other, number);
+            let place = Place { rule, first, second, at: from + along * s, number: number as u32 };
+            let laid = match rule.fastener {
+                Fastener::ToeScrew(screw) => self.toe_screw(&place, &screw),
+                Fastener::Pin(pin) => self.pin(&place, &pin),
+            };
+            if let Err(issue) = laid.and_then(|(holes, name)| self.keep(rule, holes, name)) {
+                self.issues.push(issue);
+            }
+        }
+    }
+
+    /// Where the fasteners stand between `start` and `end` of the line.
+    fn places(&mut self, rule: &FastenerRule, panel: u32, edge: u32, [start, end]: [f64; 2]) -> Vec<f64> {
+        let length = end - start;
+        let free = length - 2.0 * rule.end_distance;
+        if free > 0.0 && free >= rule.least_spacing {
+            let intervals = (free / rule.spacing).ceil();
+            let step = free / intervals;
+            return (0..=intervals as u64).map(|k| start + rule.end_distance + step * k as f64).collect();
+        }
+        let laid = rule.short_edge == ShortEdge::Middle && length > 0.0;
+        let needed = 2.0 * rule.end_distance + rule.least_spacing;
+        self.issues.push(JointIssue::EdgeTooShort { panel, edge, length, needed, laid });
+        if laid { vec![0.5 * (start + end)] } else { Vec::new() }
+    }
+
+    /// The panel with the head first.
+    fn by_head(&self, head: Head, own: Half, other: Option<Half>, number: usize) -> (Half, Option<Half>) {
+        let Some(other) = other else { return (own, None) };
+        let key = |h: Half| (self.set.address[h.panel as usize], h.panel);
+        let want_lower = match head {
+            Head::LowerAddress => true,
+            Head::HigherAddress => false,
+            Head::Alternate => number.is_multiple_of(2),
+        };
+        if (key(own) <= key(other)) == want_lower { (own, Some(other)) } else { (other, Some(own)) }
+    }
+
+    /// The height at which the holes of a place keep as much wood towards the front as towards the back.
+    fn balanced(&self, place: &Place) -> f64 {
+        let mut reach = [0f64; 2];
+        let mut widen = |half: Half, axis: DVec3, depth: f64| {
+            let hole = place.hole(DVec3::ZERO, axis);
+            let mouth = hole.mouth_reach(half.front.normal, half.chamfer.normal);
+            for (side, reach) in [1.0, -1.0].into_iter().zip(&mut reach) {
+                let towards = side * axis.dot(half.front.normal);
+                let rim = hole.radius * (1.0 - towards * towards).max(0.0).sqrt();
+                let tip = (depth * towards).max((depth - hole.point) * towards + rim);
+                *reach = reach.max(mouth).max(if depth > 0.0 { tip } else { 0.0 });
+            }
+        };
+        match place.rule.fastener {
+            Fastener::ToeScrew(screw) => {
+                let axis = self.toe_axis(&screw, &place.first).1;
+                [Some(place.first), place.second].into_iter().flatten().for_each(|half| widen(half, axis, 0.0));
+            }
+            Fastener::Pin(pin) => {
+                let axis = pin_axis(&pin, &place.first);
+                widen(place.first, -axis, pin.depth[0]);
+                if let Some(second) = place.second {
+                    widen(second, axis, pin.depth[1]);
+                }
+            }
+        }
+        (0.5 + 0.5 * (reach[0] - reach[1]) / self.set.thickness).clamp(0.0, 1.0)
+    }
+
+    /// The face from which a toe screw is driven, and its direction.
+    fn toe_axis(&self, screw: &ToeScrew, first: &Half) -> (Plane, DVec3) {
+        let face = match screw.up {
+            Up::Front => first.front,
+            Up::Back => Plane { normal: -first.front.normal, offset: self.set.thickness - first.front.offset },
+        };
+        let (sin, cos) = screw.angle.sin_cos();
+        (face, (first.outward() * cos - face.normal * sin).normalize())
+    }
+
+    /// The holes of a toe screw, and the screw's name.
+    fn toe_screw(&self, place: &Place, screw: &ToeScrew) -> Result<(Vec<Feature>, String), JointIssue> {
+        let Place { rule, first, second, at, number } = *place;
+        let (panel, edge, cover) = (first.panel, first.edge, rule.cover);
+        let (face, axis) = self.toe_axis(screw, &first);
+        let across = place.crossing(axis)?;
+        let in_first = -face.distance(at) / screw.angle.sin();
+        let hole = place.hole(at - axis * in_first, axis);
+        let mouth = hole.beside_mouth(hole.entry, face, self.planes.others(panel, face));
+        let exit = hole.beside_mouth(at, first.chamfer, self.planes.others(panel, first.chamfer));
+        place.enough_wood(first, mouth.min(exit))?;
+        // Through the chamfer with the full diameter, into the waste beside the panel.
+        let through = in_first + hole.radius * (1.0 - across * across).max(0.0).sqrt() / across + hole.point;
+        let mut holes = vec![drill(first, &hole, through, "toe screw")];
+        let bite = match second {
+            Some(q) => {
+                let hole = place.hole(at, axis);
+                let others = self.planes.others(q.panel, q.chamfer);
+                place.enough_wood(q, hole.beside_mouth(at, q.chamfer, others.clone()))?;
+                let largest = hole.deepest(cover, others);
+                let bite = largest.min(screw.bite);
+                if bite < screw.least_bite {
+                    let (panel, edge, depth) = (q.panel, q.edge, screw.least_bite);
+                    return Err(JointIssue::TooDeep { panel, edge, number, depth, cover, largest });
+                }
+                holes.push(drill(q, &hole, bite, "toe screw"));
+                bite
+            }
+            None => screw.bite,
+        };
+        let longest = in_first + bite;
+        let length = match screw.length {
+            ScrewLength::Given(length) => length,
+            ScrewLength::Longest => SCREW_LENGTHS.into_iter().rev().find(|&l| l <= longest).unwrap_or(SCREW_LENGTHS[0]),
+        };
+        if length > longest {
+            return Err(JointIssue::ScrewTooLong { panel, edge, number, length, longest });
+        }
+        Ok((holes, format!("Screw {} x {length}", screw.diameter)))
+    }
+
+    /// The holes of a pin, and the pin's name.
+    fn pin(&self, place: &Place, pin: &Pin) -> Result<(Vec<Feature>, String), JointIssue> {
+        let Place { rule, first, second, at, number } = *place;
+        let axis = pin_axis(pin, &first);
+        place.crossing(axis)?;
+        let (purpose, name) = match pin.kind {
+            PinKind::Screw => ("screw", "Screw"),
+            PinKind::Dowel => ("dowel", "Dowel"),
+        };
+        let mut holes = Vec::with_capacity(2);
+        for (half, axis, depth) in [(Some(first), -axis, pin.depth[0]), (second, axis, pin.depth[1])] {
+            let Some(half) = half else { continue };
+            let hole = place.hole(at, axis);
+            let others = self.planes.others(half.panel, half.chamfer);
+            place.enough_wood(half, hole.beside_mouth(at, half.chamfer, others.clone()))?;
+            let largest = hole.deepest(rule.cover, others);
+            if largest < depth {
+                let (panel, edge, cover) = (half.panel, half.edge, rule.cover);
+                return Err(JointIssue::TooDeep { panel, edge, number, depth, cover, largest });
+            }
+            holes.push(drill(half, &hole, depth, purpose));
+        }
+        Ok((holes, format!("{name} {} x {}", pin.diameter, pin.length)))
+    }
+
+    /// Keeps the holes of one fastener unless they meet others.
+    fn keep(&mut self, rule: &FastenerRule, holes: Vec<Feature>, name: String) -> Result<(), JointIssue> {
+        for hole in &holes {
+            let Some((axis, radius)) = extent(hole) else { continue };
+            for &other in &self.by_panel[hole.panel as usize] {
+                let other = &self.features[other as usize];
+                let Some((other_axis, other_radius)) = extent(other) else { continue };
+                let gap = segment_distance(axis, other_axis) - radius - other_radius;
+                if gap < rule.cover {
+                    let edges = [other.edge.unwrap_or(0), hole.edge.unwrap_or(0)];
+                    return Err(JointIssue::HolesMeet { panel: hole.panel, edges, gap, cover: rule.cover });
+                }
+            }
+        }
+        for hole in holes {
+            self.by_panel[hole.panel as usize].push(self.features.len() as u32);
+            self.features.push(Feature { joint: Some(self.joints), ..hole });
+        }
+        self.joints += 1;
+        *self.hardware.entry(name).or_default() += 1;
+        Ok(())
+    }
+}
+
+/// Unit direction of a pin from the first panel to the second.
+fn pin_axis(pin: &Pin, first: &Half) -> DVec3 {
+    let axis = match pin.direction {
+        Direction::ChamferNormal => first.chamfer.normal,
+        Direction::Section(angle) => first.outward() * angle.cos() - first.front.normal * angle.sin(),
+        Direction::Given(v) => v.normalize() * v.dot(first.chamfer.normal).signum(),
+    };
+    axis.normalize()
+}
+
+fn drill(half: Half, hole: &Hole, depth: f64, purpose: &'static str) -> Feature {
+    Feature {
+        panel: half.panel,
+        edge: Some(half.edge),
+        joint: None,
+        purpose,
+        machining: Machining::Drill { entry: hole.entry, axis: hole.axis, depth, diameter: 2.0 * hole.radius },
+    }
+}
+
+/// Axis and radius of a drilled hole.
+fn extent(feature: &Feature) -> Option<([DVec3; 2], f64)> {
+    match feature.machining {
+        Machining::Drill { entry, axis, depth, diameter } => Some(([entry, entry + axis * depth], 0.5 * diameter)),
+        _ => None,
+    }
+}
