@@ -261,7 +261,8 @@ impl FastenerRule {
         }
         for (name, value, [min, max]) in angles {
             let flat = name == "point angle" && value == PI;
-            if !flat && !(value > min && value < max) {
+            let within = value > min && value < max;
+            if !flat && !within {
                 return Err(FastenerError::Angle { name, value, min, max });
             }
         }
