@@ -17,6 +17,8 @@ const SIDES: usize = 24;
 /// Rapids stay above `top` and are left out. O(moves + p log p) per part for `p` distinct deep poses.
 #[must_use]
 pub fn cleared_outlines(piece: &[Vec<DVec2>], paths: &PartPaths, machine: &Machine, top: f64) -> Vec<Vec<DVec2>> {
+    let ring: [(f64, f64); SIDES] =
+        std::array::from_fn(|s| (s as f64 * std::f64::consts::TAU / SIDES as f64).sin_cos());
     let bodies: Vec<Envelope> = machine.tools.iter().map(|t| Envelope::new(machine, t)).collect();
     piece
         .par_iter()
@@ -29,7 +31,7 @@ pub fn cleared_outlines(piece: &[Vec<DVec2>], paths: &PartPaths, machine: &Machi
             for op in paths.of_part(i) {
                 let body = &bodies[op.tool as usize];
                 for (tip, axis) in deep_poses(paths, op.moves.start as usize..op.moves.end as usize) {
-                    shadow(body, tip, axis, top, &mut points);
+                    shadow(body, &ring, tip, axis, top, &mut points);
                 }
             }
             hull(&points)
@@ -59,7 +61,7 @@ fn deep_poses(paths: &PartPaths, moves: std::ops::Range<usize>) -> Vec<(DVec3, D
 }
 
 /// Adds the outline of the body's part at heights up to `top` as seen from above.
-fn shadow(body: &Envelope, tip: DVec3, axis: DVec3, top: f64, points: &mut Vec<DVec2>) {
+fn shadow(body: &Envelope, ring: &[(f64, f64); SIDES], tip: DVec3, axis: DVec3, top: f64, points: &mut Vec<DVec2>) {
     let (u, v) = axis.any_orthonormal_pair();
     let outside = 1.0 / (std::f64::consts::PI / SIDES as f64).cos();
     for piece in body.pieces() {
@@ -67,9 +69,8 @@ fn shadow(body: &Envelope, tip: DVec3, axis: DVec3, top: f64, points: &mut Vec<D
         if lowest(piece.from, piece.radius_from).min(lowest(piece.to, piece.radius_to)) > top {
             continue;
         }
-        for s in 0..SIDES {
-            let (sin, cos) = (s as f64 * std::f64::consts::TAU / SIDES as f64).sin_cos();
-            let ray = (u * cos + v * sin) * outside;
+        for (sin, cos) in ring {
+            let ray = (u * *cos + v * *sin) * outside;
             let a = tip + axis * piece.from + ray * piece.radius_from;
             let b = tip + axis * piece.to + ray * piece.radius_to;
             let (low, high) = if a.z <= b.z { (a, b) } else { (b, a) };
