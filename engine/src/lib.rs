@@ -1,1 +1,23 @@
-//! engine
+//! The engine of dataflow graphs: document and file, values, registry, plan, evaluator, cache and diagnostics.
+//! It knows no geometry, and besides asking its host for the files that nodes name it does no input or output.
+
+mod call;
+mod diagnostic;
+mod document;
+mod evaluate;
+mod plan;
+mod port;
+mod registry;
+mod value;
+
+pub use call::{Call, Monitor};
+pub use diagnostic::{Diagnostic, Fail, Severity};
+pub use document::{
+    DEFAULT_SIZE_LIMIT, DEPTH_LIMIT, Document, InterfaceInput, InterfaceOutput, Node, NodeState, TreeOp, Wires,
+};
+pub use evaluate::matching::Matching;
+pub use evaluate::report::{Control, Event, Happened, NodeReport, Progress, Report};
+pub use evaluate::session::{Host, NoHost, Options, Session};
+pub use port::{Access, Port, Unit};
+pub use registry::{NodeType, Registry, RegistryError};
+pub use value::{Column, Digester, File, Item, Json, Path, Text, Tree, digest_bytes};

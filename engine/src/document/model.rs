@@ -1,0 +1,226 @@
+//! The document in memory. Everything that the file says is kept, also what this version does not understand.
+
+use crate::evaluate::matching::Matching;
+use crate::value::Json;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A graph as its file says it. Evaluation never changes it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Document {
+    /// Named inputs of the whole graph.
+    pub inputs: BTreeMap<String, InterfaceInput>,
+    /// Named outputs of the whole graph.
+    pub outputs: BTreeMap<String, InterfaceOutput>,
+    pub(crate) nodes: BTreeMap<String, Node>,
+    /// Plugins that the graph needs, as the file says it.
+    pub requires: BTreeMap<String, Json>,
+    /// Groups, as the file says it.
+    pub groups: BTreeMap<String, Json>,
+    /// Foreign data, byte for byte.
+    pub(crate) foreign: Option<Arc<str>>,
+    /// Top-level keys that this version does not know.
+    pub(crate) extra: BTreeMap<String, Json>,
+    /// Keys inside `interface` that this version does not know.
+    pub(crate) interface_extra: BTreeMap<String, Json>,
+}
+
+/// A named input of the whole graph, bound to the parameters of one or more nodes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InterfaceInput {
+    /// `node.port`, at least one.
+    pub ports: Vec<String>,
+    /// Sign of the unit, for people.
+    pub unit: Option<String>,
+    /// Smallest number accepted.
+    pub min: Option<f64>,
+    /// Largest number accepted.
+    pub max: Option<f64>,
+    /// What it means.
+    pub doc: Option<String>,
+    pub(crate) extra: BTreeMap<String, Json>,
+}
+
+/// A named output of the whole graph.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InterfaceOutput {
+    /// `node.port`.
+    pub port: String,
+    /// Sign of the unit, for people.
+    pub unit: Option<String>,
+    /// What it means.
+    pub doc: Option<String>,
+    pub(crate) extra: BTreeMap<String, Json>,
+}
+
+/// What a node is asked to do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NodeState {
+    /// It runs when its inputs change.
+    #[default]
+    On,
+    /// It keeps its last output.
+    Frozen,
+    /// It gives nothing; what depends on it is blocked.
+    Disabled,
+}
+
+impl NodeState {
+    /// Its name in the file.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::On => "on",
+            Self::Frozen => "frozen",
+            Self::Disabled => "disabled",
+        }
+    }
+}
+
+/// A change of a tree's shape at an input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TreeOp {
+    /// Every item in its own branch.
+    Graft,
+    /// All items in one branch.
+    Flatten,
+    /// Paths without their common start.
+    Simplify,
+    /// Items of each branch in reverse order.
+    Reverse,
+}
+
+impl TreeOp {
+    pub(crate) const ALL: [Self; 4] = [Self::Graft, Self::Flatten, Self::Simplify, Self::Reverse];
+
+    /// Its name in the file.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Graft => "graft",
+            Self::Flatten => "flatten",
+            Self::Simplify => "simplify",
+            Self::Reverse => "reverse",
+        }
+    }
+}
+
+/// What comes to one input by wire.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wires {
+    /// `node.port` of each source, in order.
+    pub from: Vec<String>,
+    /// Applied in order to what arrives.
+    pub tree: Vec<TreeOp>,
+    /// How lists of different lengths meet; the node's own rule goes first.
+    pub matching: Option<Matching>,
+    pub(crate) extra: BTreeMap<String, Json>,
+}
+
+/// One node.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Node {
+    /// Name of its node type.
+    pub type_name: String,
+    /// Version of the node type that the file was written for.
+    pub version: u32,
+    /// Literals by port.
+    pub params: BTreeMap<String, Json>,
+    /// Wires by port.
+    pub inputs: BTreeMap<String, Wires>,
+    /// How lists of different lengths meet.
+    pub matching: Option<Matching>,
+    /// On, frozen or disabled.
+    pub state: NodeState,
+    /// A remark for people.
+    pub note: Option<String>,
+    pub(crate) extra: BTreeMap<String, Json>,
+    /// The text it was loaded from, for node types that nobody knows; gone once the node was changed.
+    pub(crate) raw: Raw,
+}
+
+/// Source text that does not count when nodes are compared.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Raw(pub Option<Arc<str>>);
+
+impl PartialEq for Raw {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Node {
+    /// A node of version 1 without parameters and wires.
+    #[must_use]
+    pub fn new(type_name: impl Into<String>) -> Self {
+        Self { type_name: type_name.into(), version: 1, ..Self::default() }
+    }
+
+    /// Sets a parameter.
+    #[must_use]
+    pub fn param(mut self, port: impl Into<String>, value: impl Into<Json>) -> Self {
+        self.params.insert(port.into(), value.into());
+        self
+    }
+
+    /// Adds a wire from `source` (`node.port`).
+    #[must_use]
+    pub fn wire(mut self, port: impl Into<String>, source: impl Into<String>) -> Self {
+        self.inputs.entry(port.into()).or_default().from.push(source.into());
+        self
+    }
+}
+
+impl Document {
+    /// A document without nodes.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The nodes by id.
+    #[must_use]
+    pub fn nodes(&self) -> &BTreeMap<String, Node> {
+        &self.nodes
+    }
+
+    /// A node to change.
+    pub fn node_mut(&mut self, id: &str) -> Option<&mut Node> {
+        let node = self.nodes.get_mut(id)?;
+        node.raw = Raw(None);
+        Some(node)
+    }
+
+    /// Adds or replaces a node. Ids must not be empty or contain a dot: `node.port` could not be read back.
+    ///
+    /// # Errors
+    /// Gives the node back if the id is not allowed.
+    pub fn insert(&mut self, id: impl Into<String>, node: Node) -> Result<(), Node> {
+        let id = id.into();
+        if !valid_id(&id) {
+            return Err(node);
+        }
+        self.nodes.insert(id, node);
+        Ok(())
+    }
+
+    /// Removes a node; wires from it stay and are named by validation.
+    pub fn remove(&mut self, id: &str) -> Option<Node> {
+        self.nodes.remove(id)
+    }
+
+    /// Foreign data (`x`) as it stands in the file.
+    #[must_use]
+    pub fn foreign(&self) -> Option<&str> {
+        self.foreign.as_deref()
+    }
+}
+
+pub(crate) fn valid_id(id: &str) -> bool {
+    !id.is_empty() && !id.contains('.') && !id.chars().any(char::is_control)
+}
+
+/// `node.port` taken apart.
+pub(crate) fn split_port(address: &str) -> Option<(&str, &str)> {
+    address.split_once('.').filter(|(n, p)| !n.is_empty() && !p.is_empty())
+}

@@ -1,0 +1,198 @@
+//! What arrives at a node: wires merged, items converted, trees reshaped, files read; and the key that all of it makes.
+
+use super::matching::{FileRead, Input, Matching};
+use crate::diagnostic::{Fail, Severity};
+use crate::document::model::TreeOp;
+use crate::plan::{Plan, Slot};
+use crate::port::Port;
+use crate::registry::Registry;
+use crate::value::{Column, Digester, Path, Text, Tree, digest_bytes};
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Values by output slot, as far as they are in memory.
+pub(crate) type Values = [Option<Tree>];
+
+/// Files read in one evaluation, so that two nodes see the same content.
+pub(crate) type Files = HashMap<Arc<str>, FileRead>;
+
+/// The cache key: node type, version, matching, and per port what comes in. No value is touched, only digests.
+pub(crate) fn key(plan: &Plan, n: usize, digests: &[u128], files: &[(usize, Vec<Vec<FileRead>>)]) -> u128 {
+    let node = &plan.nodes[n];
+    let Some(t) = plan.node_type(n) else { return 0 };
+    let mut d = Digester::new();
+    d.u128(t.digest);
+    d.u8(node.matching as u8);
+    for (p, slot) in plan.node_slots(n).iter().enumerate() {
+        match slot {
+            Slot::Missing => d.u8(0),
+            // A default and the same value written out are the same input.
+            Slot::Default => {
+                d.u8(1);
+                d.u128(t.defaults[p].as_ref().map_or(0, Tree::digest));
+            }
+            Slot::Literal(l) => {
+                d.u8(1);
+                d.u128(plan.literals[*l as usize].digest());
+            }
+            Slot::Wires { from, to, shape } => {
+                let sources = plan.wire_sources(*from, *to);
+                let shape = plan.shape(*shape);
+                if let ([one], []) = (sources, shape) {
+                    d.u8(1);
+                    d.u128(digests[*one as usize]);
+                    continue;
+                }
+                d.u8(2);
+                d.u32(sources.len() as u32);
+                sources.iter().for_each(|s| d.u128(digests[*s as usize]));
+                d.u32(shape.len() as u32);
+                shape.iter().for_each(|op| d.u8(*op as u8));
+            }
+        }
+    }
+    for read in files.iter().flat_map(|(_, branches)| branches.iter().flatten()) {
+        match read {
+            Ok(bytes) => {
+                d.u8(1);
+                d.u128(digest_bytes(bytes));
+            }
+            Err(why) => {
+                d.u8(0);
+                d.str(why);
+            }
+        }
+    }
+    d.finish()
+}
+
+/// The tree that arrives at one port.
+pub(crate) fn tree<'a>(
+    plan: &'a Plan,
+    registry: &Registry,
+    n: usize,
+    p: usize,
+    values: &'a Values,
+    reports: &mut Vec<(Severity, Fail)>,
+) -> Result<Option<Cow<'a, Tree>>, Fail> {
+    let Some(t) = plan.node_type(n) else { return Ok(None) };
+    let (from, to, shape) = match plan.slot(n, p) {
+        Slot::Missing => return Ok(None),
+        Slot::Default => return Ok(t.defaults[p].as_ref().map(Cow::Borrowed)),
+        Slot::Literal(l) => return Ok(plan.literals.get(l as usize).map(Cow::Borrowed)),
+        Slot::Wires { from, to, shape } => (from, to, shape),
+    };
+    let port = &t.inputs[p];
+    let gone = || Fail::new("engine-fault", format!("the value for \"{}\" is not in memory", port.name));
+    let mut merged: Option<Cow<'a, Tree>> = None;
+    for source in plan.wire_sources(from, to) {
+        let tree = values[*source as usize].as_ref().ok_or_else(gone)?;
+        let tree = convert(tree, port, registry, reports)?;
+        merged = Some(match merged {
+            None => tree,
+            Some(before) => Cow::Owned(merge(&before, &tree, port)?),
+        });
+    }
+    let Some(mut tree) = merged else { return Ok(None) };
+    for op in plan.shape(shape) {
+        tree = Cow::Owned(match op {
+            TreeOp::Graft => tree.graft(),
+            TreeOp::Flatten => tree.flatten(),
+            TreeOp::Simplify => tree.simplify(),
+            TreeOp::Reverse => tree.reverse(),
+        });
+    }
+    Ok(Some(tree))
+}
+
+/// Items become what the port takes.
+fn convert<'a>(
+    tree: &'a Tree,
+    port: &Port,
+    registry: &Registry,
+    reports: &mut Vec<(Severity, Fail)>,
+) -> Result<Cow<'a, Tree>, Fail> {
+    let Some(to) = port.item_type.id else { return Ok(Cow::Borrowed(tree)) };
+    if tree.branches().iter().all(|(_, c)| c.item_type() == to) {
+        return Ok(Cow::Borrowed(tree));
+    }
+    let mut branches: Vec<(Path, Column)> = Vec::with_capacity(tree.branches().len());
+    for (path, column) in tree.branches() {
+        let converted = if column.item_type() == to {
+            column.clone()
+        } else if let Some(convert) = registry.conversion(column.item_type(), to) {
+            let (converted, errors) = convert(column);
+            for (i, why) in errors {
+                let fail = Fail::new("not-convertible", why).port(port.name.to_string());
+                reports.push((Severity::Error, if column.len() > 1 { fail.item(i) } else { fail }));
+            }
+            converted
+        } else if (0..column.len()).all(|i| !column.is_valid(i)) {
+            // Nothing but gaps: their type does not matter.
+            (port.item_type.empty)().pick(&vec![None; column.len()])
+        } else {
+            let message =
+                format!("\"{}\" takes {}, but {} came in", port.name, port.item_type.name, column.type_name());
+            return Err(Fail::new("wrong-type", message).port(port.name.to_string()));
+        };
+        branches.push((path.clone(), converted));
+    }
+    Ok(Cow::Owned(Tree::from_branches(branches)))
+}
+
+/// Many wires into one port: branches of the same path append in the order of the wires.
+fn merge(a: &Tree, b: &Tree, port: &Port) -> Result<Tree, Fail> {
+    for (path, column) in b.branches() {
+        let other = a.branches().binary_search_by(|(p, _)| p.cmp(path)).ok().map(|i| &a.branches()[i].1);
+        if let Some(other) = other.filter(|o| o.item_type() != column.item_type()) {
+            let (x, y) = (other.type_name(), column.type_name());
+            let message = format!("\"{}\" cannot join {x} and {y} in one list", port.name);
+            return Err(Fail::new("mixed-types", message).port(port.name.to_string()));
+        }
+    }
+    Ok(Tree::from_branches(a.branches().iter().chain(b.branches()).cloned().collect()))
+}
+
+/// Reads the files that the node's file ports name.
+pub(crate) fn files(
+    plan: &Plan,
+    registry: &Registry,
+    n: usize,
+    values: &Values,
+    read: &mut dyn FnMut(&Arc<str>) -> FileRead,
+) -> Vec<(usize, Vec<Vec<FileRead>>)> {
+    let Some(t) = plan.node_type(n) else { return Vec::new() };
+    let mut all = Vec::new();
+    for (p, _) in t.inputs.iter().enumerate().filter(|(_, p)| p.file) {
+        // What is wrong with the tree is told when the node runs.
+        let Ok(Some(paths)) = tree(plan, registry, n, p, values, &mut Vec::new()) else { continue };
+        let branch = |column: &Column, read: &mut dyn FnMut(&Arc<str>) -> FileRead| -> Vec<FileRead> {
+            (0..column.len())
+                .map(|i| column.get::<Text>(i).map_or_else(|| Err("no path".into()), |t| read(&t.0)))
+                .collect()
+        };
+        all.push((p, paths.branches().iter().map(|(_, column)| branch(column, read)).collect()));
+    }
+    all
+}
+
+/// Everything that arrives at the node.
+pub(crate) fn inputs<'a>(
+    plan: &'a Plan,
+    registry: &Registry,
+    n: usize,
+    values: &'a Values,
+    files: Vec<(usize, Vec<Vec<FileRead>>)>,
+    reports: &mut Vec<(Severity, Fail)>,
+) -> Result<(Vec<Input<'a>>, Matching), Fail> {
+    let mut inputs = Vec::with_capacity(plan.slot_count(n));
+    for (p, slot) in plan.node_slots(n).iter().enumerate() {
+        let tree = tree(plan, registry, n, p, values, reports)?;
+        inputs.push(Input { tree, files: Vec::new(), unchecked: matches!(slot, Slot::Wires { .. }) });
+    }
+    for (p, read) in files {
+        inputs[p].files = read;
+    }
+    Ok((inputs, plan.nodes[n].matching))
+}

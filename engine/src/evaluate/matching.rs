@@ -1,0 +1,382 @@
+//! Matching: which items meet in which lane, and one node run over all its lanes.
+//! A lane that fails leaves a gap at its index in every output; item i never meets item i+1's partner.
+
+use super::output::{Output, join};
+use crate::call::{Call, Monitor};
+use crate::diagnostic::{Fail, Severity};
+use crate::port::{Access, Port};
+use crate::registry::NodeType;
+use crate::value::{Column, Path, Tree};
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+/// How items of ports with different lengths meet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Matching {
+    /// As many lanes as the longest list; shorter ones repeat their last item.
+    #[default]
+    Longest,
+    /// As many lanes as the shortest list.
+    Shortest,
+    /// Every item with every item; the last port turns fastest.
+    Cross,
+}
+
+impl Matching {
+    /// Its name in the file.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Longest => "longest",
+            Self::Shortest => "shortest",
+            Self::Cross => "cross",
+        }
+    }
+}
+
+/// Content of a file, or why it could not be read.
+pub(crate) type FileRead = Result<Arc<[u8]>, String>;
+
+/// What a lane needs to find its item in a column.
+pub(crate) struct Rule<'a> {
+    len: usize,
+    stride: usize,
+    pub files: Option<&'a [FileRead]>,
+}
+
+/// What arrives at one port in one branch.
+pub(crate) enum Arg<'a> {
+    Missing,
+    Item(&'a Column, Rule<'a>),
+    List(&'a Column),
+    Tree(&'a Tree),
+}
+
+/// The lanes of one branch.
+#[derive(Clone, Copy)]
+pub(crate) struct Lanes {
+    pub count: usize,
+    cross: bool,
+}
+
+impl Lanes {
+    pub fn index(&self, lane: usize, rule: &Rule<'_>) -> usize {
+        if self.cross { lane / rule.stride % rule.len.max(1) } else { lane.min(rule.len.saturating_sub(1)) }
+    }
+}
+
+/// What arrives at one port in all branches.
+pub(crate) struct Input<'a> {
+    pub tree: Option<Cow<'a, Tree>>,
+    /// For a file port: what was read, per branch and item.
+    pub files: Vec<Vec<FileRead>>,
+    /// Came by wire, so nobody has checked range, choices and finiteness yet.
+    pub unchecked: bool,
+}
+
+/// What a node's run came to.
+pub(crate) struct Outcome {
+    pub outputs: Vec<Tree>,
+    pub reports: Vec<(Severity, Fail)>,
+    /// No lane gave anything.
+    pub failed: bool,
+    pub cancelled: bool,
+    /// A node that panicked is not remembered.
+    pub panicked: bool,
+}
+
+impl Outcome {
+    pub fn failure(reports: Vec<(Severity, Fail)>) -> Self {
+        Self { outputs: Vec::new(), reports, failed: true, cancelled: false, panicked: false }
+    }
+}
+
+struct Branch<'a> {
+    path: Path,
+    args: Vec<Arg<'a>>,
+    lanes: Lanes,
+}
+
+/// The most lanes one branch may have: a cross of long lists is more likely a slip than a wish.
+const MOST_LANES: usize = 1 << 28;
+/// Lanes of a node that is not slow are shared out in pieces of this many.
+const PIECE: usize = 1024;
+
+/// Runs a node over all branches and lanes. `parallel`: lanes may be shared out on the current rayon pool.
+pub(crate) fn run(
+    node_type: &NodeType,
+    mut inputs: Vec<Input<'_>>,
+    matching: Matching,
+    monitor: Monitor<'_>,
+    parallel: bool,
+) -> Outcome {
+    let mut reports = Vec::new();
+    for (input, port) in inputs.iter_mut().zip(&node_type.inputs) {
+        if input.unchecked && port.is_checked() && !check(input, port, &mut reports) {
+            return Outcome::failure(reports);
+        }
+    }
+    let branches = match branches(node_type, &inputs, matching) {
+        Ok(branches) => branches,
+        Err(fail) => {
+            reports.push((Severity::Error, fail));
+            return Outcome::failure(reports);
+        }
+    };
+    let mut pieces: Vec<(usize, usize, usize)> = Vec::with_capacity(branches.len());
+    for (b, branch) in branches.iter().enumerate() {
+        let count = branch.lanes.count;
+        let size = match (parallel, node_type.slow) {
+            (false, _) => count,
+            (true, true) => count.div_ceil(256),
+            (true, false) => PIECE,
+        };
+        let size = size.max(1);
+        pieces.extend((0..count.div_ceil(size)).map(|i| (b, i * size, ((i + 1) * size).min(count))));
+    }
+    let work = |&(b, from, to): &(usize, usize, usize)| run_lanes(node_type, &branches[b], from, to, monitor);
+    let done: Vec<Lot> = if parallel && pieces.len() > 1 {
+        pieces.par_iter().map(work).collect()
+    } else {
+        pieces.iter().map(work).collect()
+    };
+    gather(node_type, &branches, done, reports)
+}
+
+/// Turns items that the port does not accept into gaps; false if the port sees lists or trees and so cannot do without them.
+fn check(input: &mut Input<'_>, port: &Port, reports: &mut Vec<(Severity, Fail)>) -> bool {
+    let Some(tree) = &input.tree else { return true };
+    let many = tree.branches().len() > 1;
+    let mut bad_branches = Vec::new();
+    for (b, (path, column)) in tree.branches().iter().enumerate() {
+        let bad = port.check(column);
+        if bad.is_empty() {
+            continue;
+        }
+        let single = column.len() == 1 && !many;
+        let mut order: Vec<Option<usize>> = (0..column.len()).map(Some).collect();
+        for (i, fail) in bad {
+            order[i] = None;
+            let fail = if single { fail } else { fail.item(i) };
+            reports.push((Severity::Error, if many { fail.hint(format!("in branch {path}")) } else { fail }));
+        }
+        bad_branches.push((b, column.pick(&order)));
+    }
+    if bad_branches.is_empty() {
+        return true;
+    }
+    if port.access != Access::Item {
+        return false;
+    }
+    let mut branches = tree.branches().to_vec();
+    for (b, column) in bad_branches {
+        branches[b].1 = column;
+    }
+    input.tree = Some(Cow::Owned(Tree::from_branches(branches)));
+    true
+}
+
+fn branches<'a>(node_type: &NodeType, inputs: &'a [Input<'a>], matching: Matching) -> Result<Vec<Branch<'a>>, Fail> {
+    let matched = || {
+        let ports = inputs.iter().zip(&node_type.inputs).filter(|(_, p)| p.access != Access::Tree);
+        ports.filter_map(|(i, _)| i.tree.as_deref())
+    };
+    let count = match matching {
+        Matching::Shortest => matched().map(|t| t.branches().len()).min(),
+        Matching::Longest | Matching::Cross => matched().map(|t| t.branches().len()).max(),
+    };
+    let Some(count) = count else {
+        let args = inputs.iter().map(|i| i.tree.as_deref().map_or(Arg::Missing, Arg::Tree)).collect();
+        return Ok(vec![Branch { path: Path::root(), args, lanes: Lanes { count: 1, cross: false } }]);
+    };
+    // The first port with the most branches names the paths.
+    let longest = matched().map(|t| t.branches().len()).max().unwrap_or(0);
+    let names = matched().find(|t| t.branches().len() == longest);
+    (0..count)
+        .map(|b| {
+            let path = names.and_then(|t| t.branches().get(b)).map_or_else(Path::root, |(p, _)| p.clone());
+            branch(node_type, inputs, matching, b, path)
+        })
+        .collect()
+}
+
+fn branch<'a>(
+    node_type: &NodeType,
+    inputs: &'a [Input<'a>],
+    matching: Matching,
+    b: usize,
+    path: Path,
+) -> Result<Branch<'a>, Fail> {
+    let mut args = Vec::with_capacity(inputs.len());
+    let (mut longest, mut shortest, mut any) = (0, usize::MAX, false);
+    for (input, port) in inputs.iter().zip(&node_type.inputs) {
+        let Some(tree) = input.tree.as_deref() else {
+            args.push(Arg::Missing);
+            continue;
+        };
+        if port.access == Access::Tree {
+            args.push(Arg::Tree(tree));
+            continue;
+        }
+        let at = b.min(tree.branches().len().saturating_sub(1));
+        let Some((_, column)) = tree.branches().get(at) else {
+            // A tree without branches at an item port: nothing to iterate over. At a list port: an empty list.
+            args.push(Arg::Missing);
+            if port.access == Access::Item {
+                (shortest, any) = (0, true);
+            }
+            continue;
+        };
+        if port.access == Access::List {
+            args.push(Arg::List(column));
+        } else {
+            (longest, shortest, any) = (longest.max(column.len()), shortest.min(column.len()), true);
+            let files = input.files.get(at).map(Vec::as_slice);
+            args.push(Arg::Item(column, Rule { len: column.len(), stride: 1, files }));
+        }
+    }
+    let cross = matching == Matching::Cross;
+    let count = match matching {
+        _ if !any => 1,
+        _ if shortest == 0 => 0,
+        Matching::Longest => longest,
+        Matching::Shortest => shortest,
+        Matching::Cross => {
+            let mut stride = 1usize;
+            for arg in args.iter_mut().rev() {
+                if let Arg::Item(_, rule) = arg {
+                    rule.stride = stride;
+                    stride = stride.saturating_mul(rule.len);
+                }
+            }
+            stride
+        }
+    };
+    if count > MOST_LANES {
+        let message = format!("the inputs cross to {count} runs; the most is {MOST_LANES}");
+        return Err(Fail::new("too-many-lanes", message));
+    }
+    Ok(Branch { path, args, lanes: Lanes { count, cross } })
+}
+
+/// What a piece of the lanes gave.
+pub(crate) struct Lot {
+    branch_lanes: usize,
+    pub outputs: Vec<Output>,
+    reports: Vec<(Severity, Fail)>,
+    good: usize,
+    bad: usize,
+    cancelled: bool,
+    panicked: bool,
+}
+
+fn run_lanes(node_type: &NodeType, branch: &Branch<'_>, from: usize, to: usize, monitor: Monitor<'_>) -> Lot {
+    let lanes = branch.lanes;
+    let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(to - from)).collect();
+    let mut reports = Vec::new();
+    let (mut good, mut bad, mut cancelled, mut panicked) = (0, 0, false, false);
+    let gaps: Vec<(&Column, &Rule<'_>)> = branch
+        .args
+        .iter()
+        .filter_map(|a| match a {
+            Arg::Item(column, rule) if column.has_gaps() => Some((*column, rule)),
+            _ => None,
+        })
+        .collect();
+    let mut call = Call {
+        node_type,
+        args: &branch.args,
+        lanes,
+        lane: from,
+        first_lane: from,
+        outputs: &mut outputs,
+        reports: &mut reports,
+        monitor,
+        bug: None,
+    };
+    let share = 1.0 / lanes.count.max(1) as f64;
+    for lane in from..to {
+        if gaps.iter().any(|(column, rule)| !column.is_valid(lanes.index(lane, rule))) {
+            continue;
+        }
+        call.lane = lane;
+        call.monitor.span = (lane as f64 * share, share);
+        let result = match &node_type.run {
+            Some(run) => catch_unwind(AssertUnwindSafe(|| run(&mut call))),
+            None => Ok(Ok(())),
+        };
+        let fail = match (result, call.bug.take()) {
+            (Ok(Ok(())), None) => {
+                good += 1;
+                continue;
+            }
+            (Ok(Err(fail)), _) | (Ok(Ok(())), Some(fail)) => fail,
+            (Err(payload), _) => {
+                panicked = true;
+                let text = payload.downcast_ref::<&str>().map(|s| (*s).to_owned());
+                let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
+                Fail::new("panic", format!("\"{}\" stopped in an unforeseen state: {text}", node_type.type_name))
+                    .hint("this is a fault in the node, please report it")
+            }
+        };
+        call.outputs.iter_mut().for_each(|o| o.clear(lane - from));
+        if fail.is_cancelled() {
+            cancelled = true;
+            break;
+        }
+        bad += 1;
+        call.reports.push((Severity::Error, fail.item_or((lanes.count > 1).then_some(lane))));
+        if call.monitor.cancelled() {
+            cancelled = true;
+            break;
+        }
+    }
+    Lot { branch_lanes: to - from, outputs, reports, good, bad, cancelled, panicked }
+}
+
+fn gather(
+    node_type: &NodeType,
+    branches: &[Branch<'_>],
+    lots: Vec<Lot>,
+    mut reports: Vec<(Severity, Fail)>,
+) -> Outcome {
+    let (mut good, mut bad, mut cancelled, mut panicked) = (0, 0, false, false);
+    let mut parts: Vec<Vec<(Path, Column)>> =
+        node_type.outputs.iter().map(|_| Vec::with_capacity(branches.len())).collect();
+    let mut whole: Vec<Option<Tree>> = vec![None; node_type.outputs.len()];
+    let mut lots = lots.into_iter();
+    for branch in branches {
+        let mut columns: Vec<Vec<Output>> = node_type.outputs.iter().map(|_| Vec::with_capacity(1)).collect();
+        let mut covered = 0;
+        while covered < branch.lanes.count {
+            let Some(lot) = lots.next() else { break };
+            covered += lot.branch_lanes;
+            good += lot.good;
+            bad += lot.bad;
+            cancelled |= lot.cancelled;
+            panicked |= lot.panicked;
+            reports.extend(lot.reports);
+            columns.iter_mut().zip(lot.outputs).for_each(|(all, one)| all.push(one));
+        }
+        let alone = branches.len() == 1 && branch.lanes.count == 1;
+        for (o, (pieces, port)) in columns.into_iter().zip(&node_type.outputs).enumerate() {
+            match join(pieces, port, &branch.path, branch.lanes.count, alone, &mut parts[o]) {
+                Ok(None) => {}
+                Ok(Some(tree)) => whole[o] = Some(tree),
+                Err(fail) => {
+                    reports.push((Severity::Error, fail));
+                    bad += 1;
+                }
+            }
+        }
+    }
+    let failed = good == 0 && (bad > 0 || !reports.is_empty());
+    if failed || cancelled {
+        return Outcome { outputs: Vec::new(), reports, failed, cancelled, panicked };
+    }
+    let outputs =
+        whole.into_iter().zip(parts).map(|(tree, parts)| tree.unwrap_or_else(|| Tree::from_branches(parts))).collect();
+    Outcome { outputs, reports, failed, cancelled, panicked }
+}

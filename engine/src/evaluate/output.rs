@@ -1,0 +1,216 @@
+//! Where a node's lanes put their results, and how lanes become branches.
+
+use crate::diagnostic::Fail;
+use crate::port::{Access, Port};
+use crate::value::{Column, Item, Path, Tree};
+use std::any::Any;
+
+/// One output over a run of lanes.
+pub(crate) struct Output {
+    lanes: usize,
+    kind: Kind,
+    /// Some lanes set an item, others a list: a fault of the node.
+    mixed: bool,
+}
+
+enum Kind {
+    Unset,
+    /// One lane only; true: it was set as a list.
+    One(Column, bool),
+    Items(Box<dyn Builder>),
+    Lists(Vec<Option<Column>>),
+    Trees(Vec<Option<Tree>>),
+}
+
+trait Builder: Send + Sync {
+    fn as_any_mut(&mut self) -> &mut dyn Any;
+    fn truncate(&mut self, len: usize);
+    fn finish(self: Box<Self>, lanes: usize) -> Column;
+}
+
+struct Typed<T> {
+    items: Vec<T>,
+    /// Empty as long as there is no gap.
+    valid: Vec<bool>,
+}
+
+impl<T: Item> Typed<T> {
+    fn pad(&mut self, len: usize) {
+        if self.items.len() < len {
+            self.valid.resize(self.items.len(), true);
+            self.items.resize(len, T::default());
+            self.valid.resize(len, false);
+        }
+    }
+}
+
+impl<T: Item> Builder for Typed<T> {
+    fn as_any_mut(&mut self) -> &mut dyn Any {
+        self
+    }
+
+    fn truncate(&mut self, len: usize) {
+        self.items.truncate(len);
+        self.valid.truncate(len);
+    }
+
+    fn finish(mut self: Box<Self>, lanes: usize) -> Column {
+        self.pad(lanes);
+        let Typed { items, mut valid } = *self;
+        if !valid.is_empty() {
+            valid.resize(lanes, true);
+        }
+        Column::build(items, (!valid.is_empty()).then_some(valid))
+    }
+}
+
+impl Output {
+    pub fn new(lanes: usize) -> Self {
+        Self { lanes, kind: Kind::Unset, mixed: false }
+    }
+
+    pub fn set_item<T: Item>(&mut self, lane: usize, value: T) {
+        if self.lanes == 1 {
+            self.kind = Kind::One(Column::new(vec![value]), false);
+            return;
+        }
+        if let Kind::Unset = self.kind {
+            self.kind = Kind::Items(Box::new(Typed::<T> { items: Vec::with_capacity(self.lanes), valid: Vec::new() }));
+        }
+        let Kind::Items(builder) = &mut self.kind else {
+            self.mixed = true;
+            return;
+        };
+        let Some(typed) = builder.as_any_mut().downcast_mut::<Typed<T>>() else {
+            self.mixed = true;
+            return;
+        };
+        typed.truncate(lane);
+        typed.pad(lane);
+        typed.items.push(value);
+        if !typed.valid.is_empty() {
+            typed.valid.push(true);
+        }
+    }
+
+    pub fn set_list(&mut self, lane: usize, column: Column) {
+        if self.lanes == 1 {
+            self.kind = Kind::One(column, true);
+            return;
+        }
+        if let Kind::Unset = self.kind {
+            self.kind = Kind::Lists(vec![None; self.lanes]);
+        }
+        match &mut self.kind {
+            Kind::Lists(lists) if lane < lists.len() => lists[lane] = Some(column),
+            _ => self.mixed = true,
+        }
+    }
+
+    pub fn set_tree(&mut self, lane: usize, tree: Tree) {
+        if let Kind::Unset | Kind::One(..) = self.kind {
+            self.kind = Kind::Trees(vec![None; self.lanes]);
+        }
+        match &mut self.kind {
+            Kind::Trees(trees) if lane < trees.len() => trees[lane] = Some(tree),
+            _ => self.mixed = true,
+        }
+    }
+
+    /// Forgets what a lane that failed has set.
+    pub fn clear(&mut self, lane: usize) {
+        match &mut self.kind {
+            Kind::Unset => {}
+            Kind::One(..) => self.kind = Kind::Unset,
+            Kind::Items(builder) => builder.truncate(lane),
+            Kind::Lists(lists) => lists.iter_mut().skip(lane).for_each(|l| *l = None),
+            Kind::Trees(trees) => trees.iter_mut().skip(lane).for_each(|t| *t = None),
+        }
+    }
+}
+
+/// Puts the pieces of one branch together and adds its branches to `out`; a lone lane's tree is handed back as it is.
+pub(crate) fn join(
+    pieces: Vec<Output>,
+    port: &Port,
+    path: &Path,
+    lanes: usize,
+    alone: bool,
+    out: &mut Vec<(Path, Column)>,
+) -> Result<Option<Tree>, Fail> {
+    if pieces.iter().any(|p| p.mixed) {
+        return Err(mixed(port));
+    }
+    let lists = pieces.iter().any(|p| matches!(p.kind, Kind::Lists(_) | Kind::Trees(_) | Kind::One(_, true)));
+    let trees = pieces.iter().any(|p| matches!(p.kind, Kind::Trees(_)));
+    if !trees && (lanes == 1 || (!lists && port.access == Access::Item)) {
+        let column = items(pieces, port, lanes)?;
+        out.push((path.clone(), column));
+        return Ok(None);
+    }
+    if pieces.iter().any(|p| matches!(p.kind, Kind::Items(_))) {
+        return Err(mixed(port));
+    }
+    let mut lane = 0;
+    for piece in pieces {
+        let end = lane + piece.lanes;
+        let place = |l: usize| if lanes == 1 { path.clone() } else { path.child(l) };
+        match piece.kind {
+            Kind::One(column, _) => out.push((place(lane), column)),
+            Kind::Lists(lists) => {
+                out.extend(
+                    lists.into_iter().enumerate().map(|(i, l)| (place(lane + i), l.unwrap_or_else(|| gaps(port, 1)))),
+                );
+            }
+            Kind::Trees(mut trees) if alone => return Ok(trees.pop().flatten()),
+            Kind::Trees(trees) => {
+                for (i, tree) in trees.into_iter().enumerate() {
+                    let base = place(lane + i);
+                    match tree {
+                        None => out.push((base, gaps(port, 1))),
+                        Some(tree) => out.extend(
+                            tree.branches()
+                                .iter()
+                                .map(|(p, c)| (Path(base.0.iter().chain(&p.0).copied().collect()), c.clone())),
+                        ),
+                    }
+                }
+            }
+            Kind::Unset | Kind::Items(_) => out.extend((lane..end).map(|l| (place(l), gaps(port, 1)))),
+        }
+        lane = end;
+    }
+    Ok(None)
+}
+
+fn mixed(port: &Port) -> Fail {
+    Fail::new(
+        "node-bug",
+        format!("the node sets \"{}\" in some lanes to an item and in others to something else", port.name),
+    )
+}
+
+/// A column of gaps of the port's type.
+fn gaps(port: &Port, count: usize) -> Column {
+    (port.item_type.empty)().pick(&vec![None; count])
+}
+
+fn items(pieces: Vec<Output>, port: &Port, lanes: usize) -> Result<Column, Fail> {
+    // An item that nobody set is a gap, a list that nobody set is empty.
+    let unset = |n: usize| if port.access == Access::Item { gaps(port, n) } else { (port.item_type.empty)() };
+    let mut columns: Vec<Result<Column, usize>> = pieces
+        .into_iter()
+        .map(|p| match p.kind {
+            Kind::One(column, _) => Ok(column),
+            Kind::Items(builder) => Ok(builder.finish(p.lanes)),
+            _ => Err(p.lanes),
+        })
+        .collect();
+    if columns.len() == 1 {
+        return Ok(columns.pop().map_or_else(|| unset(lanes), |c| c.unwrap_or_else(unset)));
+    }
+    let sample = columns.iter().find_map(|c| c.as_ref().ok()).cloned();
+    let Some(sample) = sample else { return Ok(unset(lanes)) };
+    let columns: Vec<Column> = columns.into_iter().map(|c| c.unwrap_or_else(|n| sample.pick(&vec![None; n]))).collect();
+    Column::concat(&columns).ok_or_else(|| mixed(port))
+}

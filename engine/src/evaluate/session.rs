@@ -1,0 +1,316 @@
+//! A session: one document being worked on. Set inputs, evaluate, read values and files.
+
+use super::cache::{Memo, Reports};
+use super::matching::Matching;
+use super::queue::Queue;
+use super::report::Event;
+use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
+use crate::document::model::{Document, NodeState};
+use crate::plan::{Plan, Slot};
+use crate::registry::Registry;
+use crate::value::{File, Json, Tree};
+use std::collections::BTreeSet;
+use std::sync::{Arc, OnceLock};
+
+/// What the program around the engine provides.
+pub trait Host: Send + Sync {
+    /// Content of a file that a node names.
+    ///
+    /// # Errors
+    /// Whatever keeps it from being read; the node that named it fails with this text.
+    fn read(&self, path: &str) -> std::io::Result<Arc<[u8]>>;
+}
+
+/// A host without files.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoHost;
+
+impl Host for NoHost {
+    fn read(&self, _: &str) -> std::io::Result<Arc<[u8]>> {
+        Err(std::io::Error::new(std::io::ErrorKind::Unsupported, "this program reads no files"))
+    }
+}
+
+/// How a session works; none of it changes results.
+#[derive(Clone)]
+pub struct Options {
+    /// Threads of the pool; 0: as many as the machine has.
+    pub threads: usize,
+    /// Memory for remembered results.
+    pub cache_bytes: usize,
+    /// Where files come from.
+    pub host: Arc<dyn Host>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { threads: 0, cache_bytes: 1 << 30, host: Arc::new(NoHost) }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Status {
+    /// Never evaluated.
+    #[default]
+    New,
+    Good,
+    Failed,
+    Blocked,
+    Disabled,
+}
+
+/// What a session knows of one node.
+#[derive(Clone, Default)]
+pub(crate) struct NodeRun {
+    pub key: u128,
+    pub reports: Reports,
+    /// The node whose failure blocks this one.
+    pub blocked_by: u32,
+    pub status: Status,
+    /// It must be looked at: an input may have changed.
+    pub dirty: bool,
+    /// Its outputs are in memory.
+    pub present: bool,
+    /// Its outputs are needed even if nothing changed: somebody must read them.
+    pub wanted: bool,
+    /// It belongs to what was asked for last.
+    pub needed: bool,
+}
+
+/// One document being worked on.
+pub struct Session {
+    pub(crate) registry: Arc<Registry>,
+    pub(crate) document: Document,
+    pub(crate) options: Options,
+    pub(crate) plan: Plan,
+    pub(crate) nodes: Vec<NodeRun>,
+    /// By output slot.
+    pub(crate) values: Vec<Option<Tree>>,
+    pub(crate) digests: Vec<u128>,
+    pub(crate) memo: Memo,
+    pub(crate) queue: Queue,
+    pub(crate) dirty: Vec<u32>,
+    /// Nodes with reports or blocked.
+    pub(crate) vocal: BTreeSet<u32>,
+    /// What `needed` was computed for.
+    pub(crate) goals: Option<Vec<u32>>,
+    /// Nodes with file inputs: their files are looked at in every evaluation.
+    pub(crate) readers: Vec<u32>,
+    /// Mean nanoseconds per run by node type of the plan; 0: not known yet.
+    pub(crate) costs: Vec<f64>,
+    pub(crate) events: Vec<Event>,
+    pool: OnceLock<Option<rayon::ThreadPool>>,
+}
+
+impl Session {
+    /// A session; nothing runs yet. What is wrong with the document shows in [`Document::validate`] and in reports.
+    /// O(nodes + wires).
+    #[must_use]
+    pub fn new(registry: Arc<Registry>, document: Document, options: Options) -> Self {
+        let plan = Plan::compile(&document, &registry);
+        let mut session = Self {
+            queue: Queue::new(0, 0),
+            nodes: Vec::new(),
+            values: Vec::new(),
+            digests: Vec::new(),
+            dirty: Vec::new(),
+            vocal: BTreeSet::new(),
+            goals: None,
+            readers: Vec::new(),
+            costs: Vec::new(),
+            registry,
+            document,
+            options,
+            plan,
+            memo: Memo::default(),
+            events: Vec::new(),
+            pool: OnceLock::new(),
+        };
+        session.reset();
+        session
+    }
+
+    fn reset(&mut self) {
+        let count = self.plan.nodes.len();
+        self.queue = Queue::new(self.plan.levels, count);
+        self.nodes = vec![NodeRun { dirty: true, ..NodeRun::default() }; count];
+        self.values = vec![None; self.plan.output_node.len()];
+        self.digests = vec![0; self.plan.output_node.len()];
+        self.dirty = (0..count as u32).collect();
+        self.vocal.clear();
+        self.goals = None;
+        self.readers = (0..count as u32).filter(|n| self.plan.nodes[*n as usize].has_files).collect();
+        self.costs = vec![0.0; self.plan.types.len()];
+    }
+
+    /// The document as it stands, parameters set so far included.
+    #[must_use]
+    pub fn document(&self) -> &Document {
+        &self.document
+    }
+
+    /// The registry.
+    #[must_use]
+    pub fn registry(&self) -> &Arc<Registry> {
+        &self.registry
+    }
+
+    /// Exchanges the document; remembered results stay, so only what is new runs, and frozen nodes keep their outputs.
+    /// O(nodes + wires).
+    pub fn replace(&mut self, document: Document) {
+        let plan = Plan::compile(&document, &self.registry);
+        let old_plan = std::mem::replace(&mut self.plan, plan);
+        self.document = document;
+        let (old_nodes, old_values) = (std::mem::take(&mut self.nodes), std::mem::take(&mut self.values));
+        self.reset();
+        for n in 0..self.plan.nodes.len() {
+            let Some(o) = old_plan.find(&self.plan.ids[n]) else { continue };
+            let (new, old) = (&self.plan.nodes[n], &old_plan.nodes[o]);
+            let same = self.plan.node_type(n).zip(old_plan.node_type(o)).is_some_and(|(a, b)| Arc::ptr_eq(a, b));
+            if new.state == NodeState::Frozen && same && old_nodes[o].present && old_nodes[o].status == Status::Good {
+                for i in 0..new.output_count as usize {
+                    let value = old_values[old.outputs as usize + i].clone();
+                    self.digests[new.outputs as usize + i] = value.as_ref().map_or(0, Tree::digest);
+                    self.values[new.outputs as usize + i] = value;
+                }
+                self.nodes[n] = NodeRun { dirty: true, ..old_nodes[o].clone() };
+            }
+        }
+    }
+
+    /// Sets an interface input or a parameter (`node.port`); `null` brings the default back. Nothing runs yet, so many
+    /// can be set at once.
+    ///
+    /// # Errors
+    /// If there is no such name, the port has a wire, or the value is not accepted; then nothing has changed.
+    pub fn set(&mut self, name: &str, value: Json) -> Result<(), Diagnostic> {
+        let mut places = Vec::new();
+        if let Some(input) = self.document.inputs.get(name) {
+            if let Some(v) = value.as_f64()
+                && (input.min.is_some_and(|min| v < min) || input.max.is_some_and(|max| v > max))
+            {
+                let unit = input.unit.as_deref().map(|u| format!(" {u}")).unwrap_or_default();
+                let end = |v: Option<f64>, none: &str| v.map_or_else(|| none.to_owned(), |v| v.to_string());
+                let (min, max) = (end(input.min, "anything"), end(input.max, "anything"));
+                let message = format!("{name} = {v}{unit} is outside {min} to {max}{unit}");
+                return Err(Diagnostic::error("out-of-range", message));
+            }
+            for address in &input.ports {
+                places.push(self.plan.find_input(address)?);
+            }
+        } else if name.contains('.') {
+            places.push(self.plan.find_input(name)?);
+        } else {
+            let hint = did_you_mean(name, self.document.inputs.keys().map(String::as_str));
+            let names: Vec<&str> = self.document.inputs.keys().map(String::as_str).collect();
+            let hint = hint.or_else(|| (!names.is_empty()).then(|| format!("there are {}", names.join(", "))));
+            let message = format!("the graph has no input \"{name}\"");
+            return Err(Diagnostic::error("unknown-name", message).maybe_hint(hint));
+        }
+        let mut trees = Vec::with_capacity(places.len());
+        for &(n, p) in &places {
+            let id = &self.plan.ids[n];
+            let Some(t) = self.plan.node_type(n) else { continue };
+            let port = &t.inputs[p];
+            if matches!(self.plan.slot(n, p), Slot::Wires { .. }) {
+                let message = format!("{id}.{} has a wire, which overrules a value", port.name);
+                return Err(Diagnostic::error("wired-input", message).at(&**id).port(port.name()));
+            }
+            let tree = if value.is_null() {
+                None
+            } else {
+                Some(port.literal(&value).map_err(|fail| fail.at(Severity::Error, id))?)
+            };
+            trees.push((n, p, port.name().to_owned(), tree));
+        }
+        for (n, p, port, tree) in trees {
+            self.plan.set_literal(n, p, tree);
+            if let Some(node) = self.document.node_mut(&self.plan.ids[n]) {
+                if value.is_null() {
+                    node.params.remove(&port);
+                } else if let Some(old) = node.params.get_mut(&port) {
+                    *old = value.clone();
+                } else {
+                    node.params.insert(port, value.clone());
+                }
+            }
+            self.mark_dirty(n as u32);
+        }
+        Ok(())
+    }
+
+    pub(crate) fn mark_dirty(&mut self, n: u32) {
+        let node = &mut self.nodes[n as usize];
+        if !node.dirty {
+            node.dirty = true;
+            self.dirty.push(n);
+        }
+    }
+
+    /// Node and output index of an interface output or `node.port`.
+    pub(crate) fn find_value(&self, name: &str) -> Result<(usize, usize), Diagnostic> {
+        if let Some(output) = self.document.outputs.get(name) {
+            return self.plan.find_output(&output.port);
+        }
+        if name.contains('.') {
+            return self.plan.find_output(name);
+        }
+        let hint = did_you_mean(name, self.document.outputs.keys().map(String::as_str));
+        let names: Vec<&str> = self.document.outputs.keys().map(String::as_str).collect();
+        let hint = hint.or_else(|| (!names.is_empty()).then(|| format!("there are {}", names.join(", "))));
+        Err(Diagnostic::error("unknown-name", format!("the graph has no output \"{name}\"")).maybe_hint(hint))
+    }
+
+    /// The value of an interface output or of `node.port` as the last evaluation left it; `None` if it was not asked for, failed
+    /// or was dropped from memory.
+    #[must_use]
+    pub fn value(&self, name: &str) -> Option<Tree> {
+        let (n, o) = self.find_value(name).ok()?;
+        self.values[self.plan.nodes[n].outputs as usize + o].clone()
+    }
+
+    /// The files that the writers made in the last evaluation, with the `node.port` that made them, in order of node
+    /// ids. Writers that were not asked for, failed or are out of date are left out.
+    #[must_use]
+    pub fn files(&self) -> Vec<(String, File)> {
+        let mut files = Vec::new();
+        for (n, run) in self.nodes.iter().enumerate() {
+            let Some(t) = self.plan.node_type(n).filter(|t| t.writer) else { continue };
+            if run.status != Status::Good || run.dirty {
+                continue;
+            }
+            for (o, port) in t.outputs.iter().enumerate() {
+                let Some(tree) = &self.values[self.plan.nodes[n].outputs as usize + o] else { continue };
+                for (_, column) in tree.branches() {
+                    let found = (0..column.len()).filter_map(|i| column.get::<File>(i));
+                    files.extend(found.map(|f| (format!("{}.{}", self.plan.ids[n], port.name), f.clone())));
+                }
+            }
+        }
+        files
+    }
+
+    /// Takes the log of everything since it was last taken.
+    pub fn take_events(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.events)
+    }
+
+    /// Bytes of remembered results.
+    #[must_use]
+    pub fn cache_bytes(&self) -> usize {
+        self.memo.bytes
+    }
+
+    /// How lists of different lengths meet at a node, as the plan has it.
+    #[must_use]
+    pub fn matching(&self, node: &str) -> Option<Matching> {
+        self.plan.find(node).map(|n| self.plan.nodes[n].matching)
+    }
+
+    /// The session's thread pool; `None` if the system gives no threads.
+    pub(crate) fn pool(&self) -> Option<&rayon::ThreadPool> {
+        self.pool
+            .get_or_init(|| rayon::ThreadPoolBuilder::new().num_threads(self.options.threads).build().ok())
+            .as_ref()
+    }
+}

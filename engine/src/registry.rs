@@ -1,0 +1,361 @@
+//! Node types and the registry: which nodes, item types and conversions there are.
+
+use crate::call::Call;
+use crate::diagnostic::Fail;
+use crate::port::{ItemType, Port};
+use crate::value::{Column, Digester, File, Item, Json, Text, Tree};
+use std::any::TypeId;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+type Run = Box<dyn Fn(&mut Call<'_>) -> Result<(), Fail> + Send + Sync>;
+
+/// What a node does and how it is described; a plain function plus its ports.
+pub struct NodeType {
+    pub(crate) type_name: Arc<str>,
+    pub(crate) version: u32,
+    title: Cow<'static, str>,
+    category: Cow<'static, str>,
+    doc: Cow<'static, str>,
+    keywords: Vec<Cow<'static, str>>,
+    pub(crate) inputs: Vec<Port>,
+    pub(crate) outputs: Vec<Port>,
+    pub(crate) writer: bool,
+    pub(crate) slow: bool,
+    pub(crate) run: Option<Run>,
+    /// Filled by the registry: the trees of the inputs' defaults.
+    pub(crate) defaults: Vec<Option<Tree>>,
+    /// Filled by the registry: digest of name and version, the start of every cache key.
+    pub(crate) digest: u128,
+}
+
+impl NodeType {
+    /// A node type; raise `version` whenever the same inputs begin to give other outputs.
+    #[must_use]
+    pub fn new(type_name: impl Into<Arc<str>>, version: u32) -> Self {
+        let type_name = type_name.into();
+        Self {
+            title: Cow::Owned(type_name.to_string()),
+            type_name,
+            version,
+            category: Cow::Borrowed(""),
+            doc: Cow::Borrowed(""),
+            keywords: Vec::new(),
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            writer: false,
+            slow: false,
+            run: None,
+            defaults: Vec::new(),
+            digest: 0,
+        }
+    }
+
+    /// Name for people.
+    #[must_use]
+    pub fn name(mut self, name: impl Into<Cow<'static, str>>) -> Self {
+        self.title = name.into();
+        self
+    }
+
+    /// Where a palette shows it.
+    #[must_use]
+    pub fn category(mut self, category: impl Into<Cow<'static, str>>) -> Self {
+        self.category = category.into();
+        self
+    }
+
+    /// What it does.
+    #[must_use]
+    pub fn doc(mut self, doc: impl Into<Cow<'static, str>>) -> Self {
+        self.doc = doc.into();
+        self
+    }
+
+    /// Other words to find it by.
+    #[must_use]
+    pub fn keywords<S: Into<Cow<'static, str>> + Clone>(mut self, keywords: &[S]) -> Self {
+        self.keywords = keywords.iter().cloned().map(Into::into).collect();
+        self
+    }
+
+    /// Adds an input.
+    #[must_use]
+    pub fn input(mut self, port: Port) -> Self {
+        self.inputs.push(port);
+        self
+    }
+
+    /// Adds an output.
+    #[must_use]
+    pub fn output(mut self, port: Port) -> Self {
+        self.outputs.push(port);
+        self
+    }
+
+    /// Its `file` outputs are written by the host.
+    #[must_use]
+    pub fn writer(mut self) -> Self {
+        self.writer = true;
+        self
+    }
+
+    /// Worth a task of its own on the thread pool.
+    #[must_use]
+    pub fn slow(mut self) -> Self {
+        self.slow = true;
+        self
+    }
+
+    /// What it does. Must be pure: the same inputs give the same outputs.
+    #[must_use]
+    pub fn run(mut self, run: impl Fn(&mut Call<'_>) -> Result<(), Fail> + Send + Sync + 'static) -> Self {
+        self.run = Some(Box::new(run));
+        self
+    }
+
+    /// Its name in the file.
+    #[must_use]
+    pub fn type_name(&self) -> &str {
+        &self.type_name
+    }
+
+    /// Its version.
+    #[must_use]
+    pub fn version(&self) -> u32 {
+        self.version
+    }
+
+    /// Name for people.
+    #[must_use]
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// Where a palette shows it.
+    #[must_use]
+    pub fn category_name(&self) -> &str {
+        &self.category
+    }
+
+    /// Its inputs.
+    #[must_use]
+    pub fn inputs(&self) -> &[Port] {
+        &self.inputs
+    }
+
+    /// Its outputs.
+    #[must_use]
+    pub fn outputs(&self) -> &[Port] {
+        &self.outputs
+    }
+
+    /// True if the host writes its files.
+    #[must_use]
+    pub fn is_writer(&self) -> bool {
+        self.writer
+    }
+
+    pub(crate) fn input_index(&self, name: &str) -> Option<usize> {
+        self.inputs.iter().position(|p| p.name == name)
+    }
+
+    pub(crate) fn output_index(&self, name: &str) -> Option<usize> {
+        self.outputs.iter().position(|p| p.name == name)
+    }
+
+    /// The node type as documented JSON (`tenon nodes --json`).
+    #[must_use]
+    pub fn describe(&self) -> Json {
+        serde_json::json!({
+            "type": &*self.type_name,
+            "version": self.version,
+            "name": self.title,
+            "category": self.category,
+            "doc": self.doc,
+            "keywords": self.keywords,
+            "inputs": self.inputs.iter().map(Port::describe).collect::<Vec<_>>(),
+            "outputs": self.outputs.iter().map(Port::describe).collect::<Vec<_>>(),
+            "writer": self.writer,
+            "slow": self.slow,
+        })
+    }
+}
+
+impl std::fmt::Debug for NodeType {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} v{}", self.type_name, self.version)
+    }
+}
+
+/// Why a node type was not registered.
+#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+pub enum RegistryError {
+    /// The name is taken.
+    #[error("node type \"{0}\" is registered twice")]
+    Duplicate(String),
+    /// Two inputs or two outputs share a name.
+    #[error("node type \"{node}\" has the port \"{port}\" twice")]
+    DuplicatePort {
+        /// Node type.
+        node: String,
+        /// Port.
+        port: String,
+    },
+    /// A default is not accepted by its own port.
+    #[error("node type \"{node}\": the default of \"{port}\" is not accepted: {why}")]
+    BadDefault {
+        /// Node type.
+        node: String,
+        /// Port.
+        port: String,
+        /// Why not.
+        why: String,
+    },
+    /// `run` was never called.
+    #[error("node type \"{0}\" has no function to run")]
+    NoRun(String),
+    /// A port marked as a file is not a text item.
+    #[error("node type \"{node}\": the file port \"{port}\" must be a text item")]
+    FilePort {
+        /// Node type.
+        node: String,
+        /// Port.
+        port: String,
+    },
+}
+
+/// A column turned into another type; items that could not be turned are gaps and named.
+pub(crate) type Convert = Arc<dyn Fn(&Column) -> (Column, Vec<(usize, String)>) + Send + Sync>;
+
+/// Node types, item types and conversions.
+#[derive(Default)]
+pub struct Registry {
+    nodes: BTreeMap<Arc<str>, Arc<NodeType>>,
+    types: BTreeMap<&'static str, ItemType>,
+    conversions: HashMap<(TypeId, TypeId), Convert>,
+}
+
+impl Registry {
+    /// The engine's own types and the conversion integer → number; no nodes.
+    #[must_use]
+    pub fn new() -> Self {
+        let mut r = Self::default();
+        r.register_type::<f64>();
+        r.register_type::<i64>();
+        r.register_type::<bool>();
+        r.register_type::<Text>();
+        r.register_type::<File>();
+        r.register_conversion::<i64, f64>(|v| Ok(*v as f64));
+        r
+    }
+
+    /// Makes an item type known by name.
+    pub fn register_type<T: Item>(&mut self) {
+        self.types.insert(T::TYPE, ItemType::of::<T>());
+    }
+
+    /// Names of all item types.
+    pub fn type_names(&self) -> impl Iterator<Item = &'static str> {
+        self.types.keys().copied()
+    }
+
+    /// Lets a wire from `A` to `B` turn each item; an item that cannot be turned becomes a gap with an error.
+    pub fn register_conversion<A: Item, B: Item>(&mut self, convert: fn(&A) -> Result<B, String>) {
+        let convert: Convert = Arc::new(move |column: &Column| {
+            let mut errors = Vec::new();
+            let items = (0..column.len())
+                .map(|i| match convert(column.get::<A>(i)?) {
+                    Ok(item) => Some(item),
+                    Err(why) => {
+                        errors.push((i, why));
+                        None
+                    }
+                })
+                .collect();
+            (Column::with_gaps::<B>(items), errors)
+        });
+        self.conversions.insert((TypeId::of::<A>(), TypeId::of::<B>()), convert);
+    }
+
+    pub(crate) fn conversion(&self, from: TypeId, to: TypeId) -> Option<&Convert> {
+        self.conversions.get(&(from, to))
+    }
+
+    /// Adds a node type.
+    ///
+    /// # Errors
+    /// If the name is taken, a port is there twice, a default is not accepted by its port, or there is nothing to run.
+    pub fn register(&mut self, mut node: NodeType) -> Result<(), RegistryError> {
+        let name = node.type_name.to_string();
+        if self.nodes.contains_key(&node.type_name) {
+            return Err(RegistryError::Duplicate(name));
+        }
+        if node.run.is_none() {
+            return Err(RegistryError::NoRun(name));
+        }
+        for ports in [&node.inputs, &node.outputs] {
+            for (i, port) in ports.iter().enumerate() {
+                if ports[..i].iter().any(|p| p.name == port.name) {
+                    return Err(RegistryError::DuplicatePort { node: name, port: port.name.to_string() });
+                }
+            }
+        }
+        for port in &node.inputs {
+            if port.file && (port.item_type.id != Some(TypeId::of::<Text>()) || port.access != crate::Access::Item) {
+                return Err(RegistryError::FilePort { node: name, port: port.name.to_string() });
+            }
+            let default = port.default.as_ref().map(|d| port.literal(d)).transpose();
+            node.defaults.push(default.map_err(|why| RegistryError::BadDefault {
+                node: name.clone(),
+                port: port.name.to_string(),
+                why: why.to_string(),
+            })?);
+        }
+        let mut d = Digester::new();
+        d.str(&node.type_name);
+        d.u32(node.version);
+        node.digest = d.finish();
+        self.nodes.insert(node.type_name.clone(), Arc::new(node));
+        Ok(())
+    }
+
+    /// The node type of that name.
+    #[must_use]
+    pub fn get(&self, type_name: &str) -> Option<&Arc<NodeType>> {
+        self.nodes.get(type_name)
+    }
+
+    /// All node types by name.
+    pub fn iter(&self) -> impl Iterator<Item = &Arc<NodeType>> {
+        self.nodes.values()
+    }
+}
+
+impl std::fmt::Debug for Registry {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_set().entries(self.nodes.keys()).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn node(name: &str) -> NodeType {
+        NodeType::new(name, 1).run(|_| Ok(()))
+    }
+
+    #[test]
+    fn refuses_what_would_surprise_later() {
+        let mut r = Registry::new();
+        assert_eq!(r.register(node("a")), Ok(()));
+        assert_eq!(r.register(node("a")), Err(RegistryError::Duplicate("a".into())));
+        assert_eq!(r.register(NodeType::new("b", 1)), Err(RegistryError::NoRun("b".into())));
+        let twice = node("c").input(Port::item::<f64>("x")).input(Port::item::<f64>("x"));
+        assert!(matches!(r.register(twice), Err(RegistryError::DuplicatePort { .. })));
+        let default = node("d").input(Port::item::<f64>("x").range(0.0, 1.0).default(2.0));
+        assert!(matches!(r.register(default), Err(RegistryError::BadDefault { .. })));
+    }
+}

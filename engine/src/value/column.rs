@@ -1,0 +1,283 @@
+//! A column: many items of one type in one allocation, immutable, with the gaps that failed items left.
+//! Digest and size are made once, when the column is built.
+
+use super::digest::Digester;
+use super::item::{Item, Json};
+use std::any::{Any, TypeId};
+use std::sync::Arc;
+
+/// Items of one type with optional gaps. Clones share the data.
+#[derive(Clone)]
+pub struct Column(Arc<dyn ColumnData>);
+
+struct Typed<T> {
+    items: Box<[T]>,
+    /// Present only if there is at least one gap.
+    valid: Option<Box<[bool]>>,
+    digest: u128,
+    bytes: usize,
+}
+
+trait ColumnData: Send + Sync {
+    fn as_any(&self) -> &dyn Any;
+    fn item_type(&self) -> TypeId;
+    fn type_name(&self) -> &'static str;
+    fn len(&self) -> usize;
+    fn valid(&self) -> Option<&[bool]>;
+    fn digest(&self) -> u128;
+    fn bytes(&self) -> usize;
+    fn item_json(&self, i: usize) -> Json;
+    fn item_summary(&self, i: usize) -> String;
+    fn pick(&self, order: &[Option<usize>]) -> Column;
+    fn concat(&self, all: &[Column]) -> Option<Column>;
+}
+
+impl<T: Item> ColumnData for Typed<T> {
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+
+    fn item_type(&self) -> TypeId {
+        TypeId::of::<T>()
+    }
+
+    fn type_name(&self) -> &'static str {
+        T::TYPE
+    }
+
+    fn len(&self) -> usize {
+        self.items.len()
+    }
+
+    fn valid(&self) -> Option<&[bool]> {
+        self.valid.as_deref()
+    }
+
+    fn digest(&self) -> u128 {
+        self.digest
+    }
+
+    fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    fn item_json(&self, i: usize) -> Json {
+        self.items.get(i).map_or(Json::Null, Item::to_json)
+    }
+
+    fn item_summary(&self, i: usize) -> String {
+        self.items.get(i).map_or_else(String::new, Item::summary)
+    }
+
+    fn pick(&self, order: &[Option<usize>]) -> Column {
+        let valid = |i: usize| self.valid.as_ref().is_none_or(|v| v[i]);
+        Column::with_gaps::<T>(
+            order
+                .iter()
+                .map(|i| i.filter(|i| *i < self.items.len() && valid(*i)).map(|i| self.items[i].clone()))
+                .collect(),
+        )
+    }
+
+    fn concat(&self, all: &[Column]) -> Option<Column> {
+        let total = all.iter().map(Column::len).sum();
+        let (mut items, mut valid, mut gaps) = (Vec::with_capacity(total), Vec::with_capacity(total), false);
+        for column in all {
+            items.extend_from_slice(column.slice::<T>()?);
+            match column.0.valid() {
+                Some(v) => {
+                    gaps = true;
+                    valid.extend_from_slice(v);
+                }
+                None => valid.resize(items.len(), true),
+            }
+        }
+        Some(Column::build(items, gaps.then_some(valid)))
+    }
+}
+
+impl Column {
+    /// A column without gaps. O(n): the digest is made here.
+    #[must_use]
+    pub fn new<T: Item>(items: Vec<T>) -> Self {
+        Self::build(items, None)
+    }
+
+    /// A column in which `None` is a gap. O(n).
+    #[must_use]
+    pub fn with_gaps<T: Item>(items: Vec<Option<T>>) -> Self {
+        let valid: Vec<bool> = items.iter().map(Option::is_some).collect();
+        let items = items.into_iter().map(Option::unwrap_or_default).collect();
+        Self::build(items, Some(valid))
+    }
+
+    pub(crate) fn build<T: Item>(items: Vec<T>, valid: Option<Vec<bool>>) -> Self {
+        let valid = valid.filter(|v| v.contains(&false)).map(Vec::into_boxed_slice);
+        let mut d = Digester::new();
+        d.str(T::TYPE);
+        d.u64(items.len() as u64);
+        match &valid {
+            None => {
+                d.u8(0);
+                T::digest_all(&items, &mut d);
+            }
+            Some(valid) => {
+                d.u8(1);
+                for (item, ok) in items.iter().zip(valid) {
+                    d.bool(*ok);
+                    if *ok {
+                        item.digest(&mut d);
+                    }
+                }
+            }
+        }
+        let bytes = size_of::<Typed<T>>()
+            + size_of_val(items.as_slice())
+            + items.iter().map(Item::heap_bytes).sum::<usize>()
+            + valid.as_ref().map_or(0, |v| v.len());
+        Self(Arc::new(Typed { items: items.into_boxed_slice(), valid, digest: d.finish(), bytes }))
+    }
+
+    /// Items and gaps together.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// True if there is no item and no gap.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Name of the item type.
+    #[must_use]
+    pub fn type_name(&self) -> &'static str {
+        self.0.type_name()
+    }
+
+    pub(crate) fn item_type(&self) -> TypeId {
+        self.0.item_type()
+    }
+
+    /// All items as a slice, if they are of type `T`; gaps hold `T::default()`, ask [`Column::is_valid`].
+    #[must_use]
+    pub fn slice<T: Item>(&self) -> Option<&[T]> {
+        self.0.as_any().downcast_ref::<Typed<T>>().map(|typed| &*typed.items)
+    }
+
+    /// Item `i`; `None` for a gap, past the end, or if the items are not of type `T`.
+    #[must_use]
+    pub fn get<T: Item>(&self, i: usize) -> Option<&T> {
+        let typed = self.0.as_any().downcast_ref::<Typed<T>>()?;
+        match &typed.valid {
+            Some(valid) if !valid.get(i).copied().unwrap_or(false) => None,
+            _ => typed.items.get(i),
+        }
+    }
+
+    /// True if item `i` is there and not a gap.
+    #[must_use]
+    pub fn is_valid(&self, i: usize) -> bool {
+        match self.0.valid() {
+            Some(valid) => valid.get(i).copied().unwrap_or(false),
+            None => i < self.len(),
+        }
+    }
+
+    /// True if at least one item is a gap.
+    #[must_use]
+    pub fn has_gaps(&self) -> bool {
+        self.0.valid().is_some()
+    }
+
+    /// Digest of type, items and gaps.
+    #[must_use]
+    pub fn digest(&self) -> u128 {
+        self.0.digest()
+    }
+
+    /// Memory in bytes, the items' own heap included.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.0.bytes()
+    }
+
+    /// A list of the items' JSON, `null` at gaps.
+    #[must_use]
+    pub fn to_json(&self) -> Json {
+        Json::Array((0..self.len()).map(|i| if self.is_valid(i) { self.0.item_json(i) } else { Json::Null }).collect())
+    }
+
+    /// One line about item `i` for people; empty for a gap.
+    #[must_use]
+    pub fn summary(&self, i: usize) -> String {
+        if self.is_valid(i) { self.0.item_summary(i) } else { String::new() }
+    }
+
+    /// A column of the items at `order`; `None` and gaps give gaps. Works for any item type. O(n).
+    #[must_use]
+    pub fn pick(&self, order: &[Option<usize>]) -> Self {
+        self.0.pick(order)
+    }
+
+    /// All columns one after another; `None` if there is none or their types differ. O(n).
+    #[must_use]
+    pub fn concat(all: &[Self]) -> Option<Self> {
+        match all {
+            [one] => Some(one.clone()),
+            [first, ..] => first.0.concat(all),
+            [] => None,
+        }
+    }
+}
+
+impl std::fmt::Debug for Column {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}{}", self.type_name(), self.to_json())
+    }
+}
+
+impl PartialEq for Column {
+    fn eq(&self, other: &Self) -> bool {
+        self.digest() == other.digest()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gap_keeps_its_place() {
+        let c = Column::with_gaps(vec![Some(1.0), None, Some(3.0)]);
+        assert_eq!((c.len(), c.get::<f64>(0), c.get::<f64>(1), c.get::<f64>(2)), (3, Some(&1.0), None, Some(&3.0)));
+        assert_eq!(c.to_json(), serde_json::json!([1.0, null, 3.0]));
+    }
+
+    #[test]
+    fn digest_tells_type_gap_and_order() {
+        let all = [
+            Column::new(vec![0.0]),
+            Column::new(vec![0i64]),
+            Column::with_gaps::<f64>(vec![None]),
+            Column::new(vec![1.0, 2.0]),
+            Column::new(vec![2.0, 1.0]),
+            Column::new::<f64>(vec![]),
+        ];
+        for (i, a) in all.iter().enumerate() {
+            for (j, b) in all.iter().enumerate() {
+                assert_eq!(a == b, i == j, "{a:?} {b:?}");
+            }
+        }
+        assert_eq!(Column::new(vec![1.0]), Column::with_gaps(vec![Some(1.0)]));
+    }
+
+    #[test]
+    fn concat_keeps_gaps() {
+        let c =
+            Column::concat(&[Column::new(vec![1.0]), Column::with_gaps(vec![None, Some(2.0)]), Column::new(vec![3.0])]);
+        assert_eq!(c.map(|c| c.to_json()), Some(serde_json::json!([1.0, null, 2.0, 3.0])));
+        assert!(Column::concat(&[Column::new(vec![1.0]), Column::new(vec![1i64])]).is_none());
+    }
+}

@@ -1,0 +1,11 @@
+//! Values: what flows on wires. Items in columns, columns in trees, each with its digest.
+
+pub(crate) mod column;
+pub(crate) mod digest;
+pub(crate) mod item;
+pub(crate) mod tree;
+
+pub use column::Column;
+pub use digest::{Digester, digest_bytes};
+pub use item::{File, Item, Json, Text};
+pub use tree::{Path, Tree};

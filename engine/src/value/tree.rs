@@ -1,0 +1,246 @@
+//! A tree: what flows on a wire. Branches with paths, each branch a typed column, sorted by path.
+
+use super::column::Column;
+use super::digest::Digester;
+use super::item::{Item, Json};
+use std::sync::Arc;
+
+/// Where a branch hangs, `{0;1}`.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Path(pub Vec<i32>);
+
+impl Path {
+    /// The path `{0}` of a tree with one branch.
+    #[must_use]
+    pub fn root() -> Self {
+        Self(vec![0])
+    }
+
+    /// This path with one more step.
+    #[must_use]
+    pub fn child(&self, step: usize) -> Self {
+        let mut steps = Vec::with_capacity(self.0.len() + 1);
+        steps.extend_from_slice(&self.0);
+        steps.push(i32::try_from(step).unwrap_or(i32::MAX));
+        Self(steps)
+    }
+}
+
+impl std::fmt::Display for Path {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("{")?;
+        for (i, step) in self.0.iter().enumerate() {
+            write!(f, "{}{step}", if i > 0 { ";" } else { "" })?;
+        }
+        f.write_str("}")
+    }
+}
+
+/// Branches of items. Immutable; clones share the data.
+#[derive(Clone)]
+pub struct Tree {
+    branches: Arc<[(Path, Column)]>,
+    digest: u128,
+}
+
+impl Tree {
+    /// One item at `{0}`.
+    #[must_use]
+    pub fn item<T: Item>(item: T) -> Self {
+        Self::column(Column::new(vec![item]))
+    }
+
+    /// One list at `{0}`.
+    #[must_use]
+    pub fn list<T: Item>(items: Vec<T>) -> Self {
+        Self::column(Column::new(items))
+    }
+
+    /// One branch at `{0}`.
+    #[must_use]
+    pub fn column(column: Column) -> Self {
+        Self::sorted(Arc::new([(Path::root(), column)]))
+    }
+
+    /// Branches in any order; branches of the same path are joined in the order given (if their types differ, the first stays).
+    /// O(n log n).
+    #[must_use]
+    pub fn from_branches(mut branches: Vec<(Path, Column)>) -> Self {
+        branches.sort_by(|a, b| a.0.cmp(&b.0));
+        if branches.windows(2).any(|w| w[0].0 == w[1].0) {
+            let mut joined: Vec<(Path, Vec<Column>)> = Vec::new();
+            for (path, column) in branches {
+                match joined.last_mut() {
+                    Some((last, columns)) if *last == path => columns.push(column),
+                    _ => joined.push((path, vec![column])),
+                }
+            }
+            branches = joined
+                .into_iter()
+                .filter_map(|(path, columns)| {
+                    Column::concat(&columns).or_else(|| columns.into_iter().next()).map(|c| (path, c))
+                })
+                .collect();
+        }
+        Self::sorted(branches.into())
+    }
+
+    fn sorted(branches: Arc<[(Path, Column)]>) -> Self {
+        let mut d = Digester::new();
+        d.u32(branches.len() as u32);
+        for (path, column) in branches.iter() {
+            d.u32(path.0.len() as u32);
+            for step in &path.0 {
+                d.u32(*step as u32);
+            }
+            d.u128(column.digest());
+        }
+        Self { branches, digest: d.finish() }
+    }
+
+    /// The branches, sorted by path.
+    #[must_use]
+    pub fn branches(&self) -> &[(Path, Column)] {
+        &self.branches
+    }
+
+    /// The first item of the first branch, if it is a `T` and not a gap.
+    #[must_use]
+    pub fn first<T: Item>(&self) -> Option<&T> {
+        self.branches.iter().find(|(_, c)| !c.is_empty()).and_then(|(_, c)| c.get(0))
+    }
+
+    /// Number of items in all branches, gaps included.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.branches.iter().map(|(_, c)| c.len()).sum()
+    }
+
+    /// True if no branch has an item.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.branches.iter().all(|(_, c)| c.is_empty())
+    }
+
+    /// Digest of paths and columns.
+    #[must_use]
+    pub fn digest(&self) -> u128 {
+        self.digest
+    }
+
+    /// Memory in bytes; data that several trees share counts in each.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.branches.iter().map(|(p, c)| size_of::<(Path, Column)>() + p.0.len() * 4 + c.bytes()).sum()
+    }
+
+    /// Name of the item type; of the first branch, or `"nothing"`.
+    #[must_use]
+    pub fn type_name(&self) -> &'static str {
+        self.branches.first().map_or("nothing", |(_, c)| c.type_name())
+    }
+
+    /// `{"type": name, "branches": {"{0}": [items, null at gaps]}}`.
+    #[must_use]
+    pub fn to_json(&self) -> Json {
+        let branches: serde_json::Map<String, Json> =
+            self.branches.iter().map(|(p, c)| (p.to_string(), c.to_json())).collect();
+        serde_json::json!({ "type": self.type_name(), "branches": branches })
+    }
+
+    /// One line for people.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        match &*self.branches {
+            [(_, one)] if one.len() == 1 => format!("{}: {}", self.type_name(), one.summary(0)),
+            [(_, one)] => format!("{} × {}", one.len(), self.type_name()),
+            many => format!("{} × {} in {} branches", self.len(), self.type_name(), many.len()),
+        }
+    }
+
+    /// Every item in its own branch.
+    #[must_use]
+    pub fn graft(&self) -> Self {
+        let mut out = Vec::with_capacity(self.len());
+        for (path, column) in self.branches.iter() {
+            for i in 0..column.len() {
+                out.push((path.child(i), column.pick(&[Some(i)])));
+            }
+        }
+        Self::sorted(out.into())
+    }
+
+    /// All items in one branch, in path order; unchanged if the branches' types differ.
+    #[must_use]
+    pub fn flatten(&self) -> Self {
+        let columns: Vec<Column> = self.branches.iter().map(|(_, c)| c.clone()).collect();
+        Column::concat(&columns).map_or_else(|| self.clone(), Self::column)
+    }
+
+    /// Paths without the steps that all of them begin with; at least one step stays.
+    #[must_use]
+    pub fn simplify(&self) -> Self {
+        let Some((first, _)) = self.branches.first() else { return self.clone() };
+        let shortest = self.branches.iter().map(|(p, _)| p.0.len()).min().unwrap_or(0);
+        let mut shared = 0;
+        while shared + 1 < shortest && self.branches.iter().all(|(p, _)| p.0[shared] == first.0[shared]) {
+            shared += 1;
+        }
+        Self::sorted(self.branches.iter().map(|(p, c)| (Path(p.0[shared..].to_vec()), c.clone())).collect())
+    }
+
+    /// The items of each branch in reverse order.
+    #[must_use]
+    pub fn reverse(&self) -> Self {
+        Self::sorted(
+            self.branches
+                .iter()
+                .map(|(p, c)| (p.clone(), c.pick(&(0..c.len()).rev().map(Some).collect::<Vec<_>>())))
+                .collect(),
+        )
+    }
+}
+
+impl Default for Tree {
+    fn default() -> Self {
+        Self::from_branches(Vec::new())
+    }
+}
+
+impl std::fmt::Debug for Tree {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.to_json())
+    }
+}
+
+impl PartialEq for Tree {
+    fn eq(&self, other: &Self) -> bool {
+        self.digest == other.digest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn shape(t: &Tree) -> Json {
+        t.to_json()["branches"].clone()
+    }
+
+    #[test]
+    fn graft_flatten_simplify_reverse() {
+        let t = Tree::list(vec![1.0, 2.0]);
+        assert_eq!(shape(&t.graft()), json!({"{0;0}": [1.0], "{0;1}": [2.0]}));
+        assert_eq!(shape(&t.graft().simplify()), json!({"{0}": [1.0], "{1}": [2.0]}));
+        assert_eq!(t.graft().flatten(), t);
+        assert_eq!(shape(&t.reverse()), json!({"{0}": [2.0, 1.0]}));
+    }
+
+    #[test]
+    fn branches_are_sorted_and_equal_paths_join() {
+        let b = |p: &[i32], v: f64| (Path(p.to_vec()), Column::new(vec![v]));
+        let t = Tree::from_branches(vec![b(&[1], 1.0), b(&[0, 2], 2.0), b(&[1], 3.0)]);
+        assert_eq!(shape(&t), json!({"{0;2}": [2.0], "{1}": [1.0, 3.0]}));
+    }
+}

@@ -1,0 +1,99 @@
+//! Items meet in lanes; a failed item stays empty at its index.
+
+use crate::common::*;
+use serde_json::json;
+
+#[test]
+fn a_failed_item_leaves_a_gap_and_its_neighbours_stay_in_place() {
+    let mut s = session(json!({
+        "r": {"type": "root", "params": {"a": [4, -1, 9]}},
+        "x": {"type": "add", "params": {"b": [10, 20, 30]}, "inputs": {"a": {"from": ["r.value"]}}},
+    }));
+    let report = evaluate(&mut s, &[]);
+    assert_eq!(items(&s, "r.value"), json!([2.0, null, 3.0]));
+    assert_eq!(items(&s, "x.sum"), json!([12.0, null, 33.0]));
+    assert_eq!(lines(&report), ["error[negative] r.a item 1: -1 has no root (use 0 or more)"]);
+}
+
+#[test]
+fn longest_repeats_the_last_shortest_stops_and_cross_combines() {
+    let nodes = |m: &str| json!({"x": {"type": "add", "params": {"a": [1, 2, 3], "b": [10, 20]}, "match": m}});
+    for (rule, expected) in [
+        ("longest", json!([11.0, 22.0, 23.0])),
+        ("shortest", json!([11.0, 22.0])),
+        ("cross", json!([11.0, 21.0, 12.0, 22.0, 13.0, 23.0])),
+    ] {
+        let mut s = session(nodes(rule));
+        assert!(!evaluate(&mut s, &[]).has_errors());
+        assert_eq!(items(&s, "x.sum"), expected, "{rule}");
+    }
+}
+
+#[test]
+fn lists_of_several_lanes_become_branches() {
+    let mut s = session(json!({
+        "one": {"type": "series", "params": {"count": 2}},
+        "many": {"type": "series", "params": {"count": [1, 2]}},
+        "sums": {"type": "sum", "inputs": {"values": {"from": ["many.values"]}}},
+        "flat": {"type": "sum", "inputs": {"values": {"from": ["many.values"], "tree": ["flatten"]}}},
+        "each": {"type": "sum", "inputs": {"values": {"from": ["one.values"], "tree": ["graft"]}}},
+    }));
+    assert!(!evaluate(&mut s, &[]).has_errors());
+    assert_eq!(items(&s, "one.values"), json!([0.0, 1.0]));
+    assert_eq!(items(&s, "many.values"), json!({"{0;0}": [0.0], "{0;1}": [0.0, 1.0]}));
+    assert_eq!(items(&s, "sums.sum"), json!({"{0;0}": [0.0], "{0;1}": [1.0]}));
+    assert_eq!(items(&s, "flat.sum"), json!([1.0]));
+    assert_eq!(items(&s, "each.sum"), json!({"{0;0}": [0.0], "{0;1}": [1.0]}));
+}
+
+#[test]
+fn a_list_with_a_gap_fails_and_says_which_item() {
+    let mut s = session(json!({
+        "r": {"type": "root", "params": {"a": [4, -1]}},
+        "s": {"type": "sum", "inputs": {"values": {"from": ["r.value"]}}},
+        "n": {"type": "count", "inputs": {"values": {"from": ["r.value"]}}},
+    }));
+    let report = evaluate(&mut s, &[]);
+    assert!(lines(&report).iter().any(|l| l.starts_with("error[list-gap] s.values item 1")), "{:?}", lines(&report));
+    assert_eq!(items(&s, "n.count"), json!([2]));
+}
+
+#[test]
+fn an_empty_list_gives_empty_results_not_errors() {
+    let mut s = session(json!({
+        "e": {"type": "series", "params": {"count": 0}},
+        "x": {"type": "add", "inputs": {"a": {"from": ["e.values"]}}},
+        "s": {"type": "sum", "inputs": {"values": {"from": ["e.values"]}}},
+    }));
+    assert!(!evaluate(&mut s, &[]).has_errors());
+    assert_eq!(items(&s, "x.sum"), json!([]));
+    assert_eq!(items(&s, "s.sum"), json!([0.0]));
+}
+
+#[test]
+fn not_a_number_on_a_wire_is_refused_item_by_item() {
+    let mut s = session(json!({
+        "inv": {"type": "reciprocal", "params": {"a": [2, 0]}},
+        "x": {"type": "add", "inputs": {"a": {"from": ["inv.value"]}}},
+    }));
+    let report = evaluate(&mut s, &[]);
+    assert_eq!(lines(&report), ["error[not-finite] x.a item 1: inf is not a finite number"]);
+    assert_eq!(items(&s, "x.sum"), json!([0.5, null]));
+}
+
+#[test]
+fn many_lanes_are_the_same_on_any_number_of_threads() {
+    let digest = |threads| {
+        let nodes = json!({
+            "s": {"type": "series", "params": {"count": 10_000, "from": -3}},
+            "r": {"type": "root", "inputs": {"a": {"from": ["s.values"]}}},
+        });
+        let options = tenon_engine::Options { threads, ..Default::default() };
+        let mut s = tenon_engine::Session::new(registry(), document(nodes), options);
+        let report = evaluate(&mut s, &[]);
+        (s.value("r.value").map(|t| t.digest()), lines(&report))
+    };
+    let one = digest(1);
+    assert_eq!(one.1.len(), 3);
+    assert_eq!(one, digest(4));
+}
