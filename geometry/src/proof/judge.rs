@@ -140,7 +140,7 @@ impl Judge<'_> {
     fn leftover(&self, face: &Face) -> (f64, DVec3) {
         let Some(&first) = face.corners.first() else { return (0.0, DVec3::ZERO) };
         let exit = |q: DVec3| exit(&self.stock, q, face.normal);
-        let out = face.corners.iter().map(|q| (exit(*q), *q)).fold((0.0, first), worse);
+        let out = out_of(&self.stock, &face.corners, face.normal);
         if out.0 <= self.params.leftover {
             return out;
         }
@@ -154,7 +154,7 @@ impl Judge<'_> {
                     most.0 = f64::INFINITY;
                     break;
                 };
-                most = worse(most, (left.min(exit(*q)), *q));
+                most = worse(most, (left, *q));
                 if most.0 >= best.0 {
                     break;
                 }
@@ -271,6 +271,25 @@ fn left_by(cut: &Cut, q: DVec3, normal: DVec3) -> Option<f64> {
     let (near, far) = ray_interval(&cut.sweep, q, normal)?;
     // A cut that ends at the face from within the part leaves what is outside.
     (far > 1e-6).then_some(near.max(0.0))
+}
+
+/// Most stock outside a face that leaves the stock through one of its sides, and where: what is outside that side is
+/// convex, so the corners speak for the face.
+fn out_of(stock: &Aabb, corners: &[DVec3], normal: DVec3) -> (f64, DVec3) {
+    let mut least = (f64::INFINITY, corners.first().copied().unwrap_or_default());
+    for axis in 0..3 {
+        let n = normal[axis];
+        let side = if n > 0.0 { stock.max[axis] } else { stock.min[axis] };
+        if n.abs() < 1e-9 {
+            continue;
+        }
+        let way = |q: &DVec3| (((side - q[axis]) / n).max(0.0), *q);
+        let most = corners.iter().map(way).fold((0.0, least.1), worse);
+        if most.0 < least.0 {
+            least = most;
+        }
+    }
+    least
 }
 
 /// Way out of the stock from a point along a direction; 0 from outside.

@@ -87,6 +87,19 @@ pub enum Fault {
         /// In the tool table, 1/min.
         table: f64,
     },
+    /// An axis beyond its limits (the machine's own, whoever posted).
+    Limit {
+        /// Letter of the axis.
+        axis: char,
+        /// Programmed, mm or degrees.
+        value: f64,
+        /// Least, mm or degrees.
+        min: f64,
+        /// Greatest, mm or degrees.
+        max: f64,
+    },
+    /// A drill that is moved across its axis in the stock.
+    DrillSideways,
     /// A body of the machine where it must not be.
     Collision {
         /// At full speed.
@@ -134,7 +147,7 @@ pub struct Reason {
     pub part: Option<(u32, Address)>,
     /// Place in board coordinates, mm.
     pub at: Option<DVec3>,
-    /// By how much, mm (0 where that has no meaning).
+    /// By how much, mm (degrees for a rotary axis; 0 where that has no meaning).
     pub by: f64,
     /// What.
     pub fault: Fault,
@@ -266,6 +279,10 @@ impl fmt::Display for Reason {
             Fault::Speed { programmed, table } => {
                 write!(f, "the spindle turns at {programmed} 1/min, the tool table says {table}")?;
             }
+            Fault::Limit { axis, value, min, max } => {
+                write!(f, "axis {axis} would go to {value:.3}, it reaches from {min} to {max}")?;
+            }
+            Fault::DrillSideways => f.write_str("a drill is moved sideways in the stock")?,
             Fault::Collision { rapid, body, obstacle } => {
                 let how = if *rapid { "in a rapid move " } else { "" };
                 write!(f, "{how}the {body} enters {obstacle} by {by:.3} mm")?;

@@ -10,7 +10,7 @@ use super::motion::{Motion, Program};
 use super::report::{Body, Fault, Obstacle, ProofParams, Reason};
 use super::sweep::{Aabb, Disc, Sweep};
 use crate::board::Board;
-use crate::machine::{Machine, Pose, Revolved, Tool};
+use crate::machine::{Machine, Pose, Revolved, Tool, ToolKind};
 use crate::plane::Plane;
 use glam::DVec3;
 
@@ -67,6 +67,12 @@ struct Straight {
 
 /// How far a tool may stray from its own axis and still follow its own hole, mm: two roundings of a coordinate.
 const STRAY: f64 = 0.003;
+
+/// How far a written position may lie beyond a limit by rounding, mm or degrees.
+const LAST_DECIMAL: f64 = 1e-3;
+
+/// Most steps of one turn; coarser steps only widen the margin.
+const MOST_STEPS: f64 = 1e5;
 
 pub(crate) struct Runner<'a> {
     machine: &'a Machine,
@@ -125,6 +131,12 @@ impl<'a> Runner<'a> {
                 before = None;
                 continue;
             };
+            if !self.check_limits(motion) {
+                // Where the machine stands after that nobody knows.
+                before = None;
+                straight = None;
+                continue;
+            }
             let pose = self.pose(motion, tool.tool);
             if !motion.rapid {
                 self.check_spindle(motion, tool.tool);
@@ -178,6 +190,23 @@ impl<'a> Runner<'a> {
         }
     }
 
+    /// Whether all axes can go there; a fault for each that cannot.
+    fn check_limits(&mut self, motion: &Motion) -> bool {
+        let m = self.machine;
+        let linear = m.linear.iter().zip(motion.linear.to_array()).map(|(a, v)| (a.letter, v, a.min, a.max));
+        let rotary = [&m.primary, &m.secondary];
+        let rotary = rotary.iter().zip(motion.angles).map(|(a, v)| (a.letter, v.to_degrees(), a.min, a.max));
+        let mut within = true;
+        for (axis, value, min, max) in linear.chain(rotary) {
+            let by = (min - value).max(value - max);
+            if by.is_nan() || by > LAST_DECIMAL {
+                within = false;
+                self.fault(motion.line, None, by, Fault::Limit { axis, value, min, max });
+            }
+        }
+        within
+    }
+
     fn check_spindle(&mut self, motion: &Motion, tool: &Tool) {
         if motion.speed <= 0.0 {
             self.fault(motion.line, None, 0.0, Fault::SpindleStopped);
@@ -212,7 +241,7 @@ impl<'a> Runner<'a> {
         }
         *straight = None;
         // Points of the tool run on arcs about what the control keeps in place; a chord leaves its arc by ω² R / 8.
-        let steps = (turn / self.params.turn).ceil().max(1.0);
+        let steps = (turn / self.params.turn).ceil().clamp(1.0, MOST_STEPS);
         let margin = tool.arm * (turn / steps).powi(2) / 8.0;
         let mut last = from;
         for k in 1..=steps as u32 {
@@ -228,15 +257,16 @@ impl<'a> Runner<'a> {
         }
     }
 
+    /// Whether the shank stands above the stock and would rise if it were drawn back.
     fn shank_above(&self, tool: &Loaded, pose: Pose) -> bool {
-        tool.moving.iter().filter(|m| m.body == Body::Shank).all(|m| {
-            let s = sweep(&m.shape, pose, pose, 0.0);
-            s.lowest() >= self.stock.max.z || !s.aabb().meets(&self.stock)
-        })
+        let above = |m: &Moving| sweep(&m.shape, pose, pose, 0.0).lowest() >= self.stock.max.z;
+        pose.axis.z > 0.0 && tool.moving.iter().filter(|m| m.body == Body::Shank).all(above)
     }
 
     /// One step of a motion, its hull widened by `margin`.
     fn step(&mut self, tool: &Loaded, motion: &Motion, from: Pose, to: Pose, margin: f64, shank_follows: bool) {
+        let by = to.tip - from.tip;
+        let axial = margin == 0.0 && (by - from.axis * from.axis.dot(by)).length() <= STRAY;
         for moving in &tool.moving {
             let sweep = sweep(&moving.shape, from, to, margin);
             if sweep.lowest() >= self.ceiling {
@@ -264,6 +294,9 @@ impl<'a> Runner<'a> {
                 }
             }
             if touched {
+                if cuts && !axial && matches!(tool.tool.kind, ToolKind::Drill { .. }) {
+                    self.fault(motion.line, Some(to.tip), 0.0, Fault::DrillSideways);
+                }
                 self.cuts.push(Cut {
                     sweep,
                     aabb,

@@ -35,7 +35,11 @@ struct Chain {
 
 /// Shell to posted text: panels, pilots at 45° through the back of one chamfer each, marks, layout, paths, programs.
 fn chain(columns: usize, rows: usize, thickness: f64) -> Chain {
-    let file = machine_preset("maka-mm7s").unwrap();
+    chain_on("maka-mm7s", columns, rows, thickness)
+}
+
+fn chain_on(machine: &str, columns: usize, rows: usize, thickness: f64) -> Chain {
+    let file = machine_preset(machine).unwrap();
     let mut params = ThickenParams::new(thickness);
     params.border = BorderRule { bottom: BorderCut::Angle(0.2), left: BorderCut::Angle(-0.15), ..params.border };
     let (panels, issues) = thicken(&shell(columns, rows), &params).unwrap();
@@ -106,8 +110,8 @@ fn say(report: &ProofReport) -> String {
 
 #[test]
 fn good_programs_pass_in_10_and_21_mm() {
-    for thickness in [10.0, 21.0] {
-        let mut c = chain(3, 3, thickness);
+    for (machine, thickness) in [("maka-mm7s", 10.0), ("maka-mm7s", 21.0), ("linuxcnc-xyzbc", 10.0)] {
+        let mut c = chain_on(machine, 3, 3, thickness);
         let report = c.prove();
         assert!(report.passed(), "{}", say(&report));
         assert_eq!(report.parts.iter().flatten().count(), 9);
@@ -256,6 +260,17 @@ fn spindle_tool_table_clamps_and_order_are_watched() {
         c.file.machine.clamps.push(clamp);
     };
     found(&clamp, &|f| matches!(f, Fault::Collision { obstacle: Obstacle::Clamp(_), .. }));
+    found(&replace("G0 Z60.000", "G0 Z-20.000"), &|f| matches!(f, Fault::Limit { axis: 'Z', .. }));
+    // The first position, and a tool changed in the wood.
+    found(&replace("T2 M6", "G1 Z5.000\nT2 M6"), &|f| *f == Fault::ToolChange);
+    found(&replace("S12000 M3", "S12000 M3\nG0 X500 Y500 Z5 A0 B0"), &|f| *f == Fault::FirstMove);
+    // A pilot drill pushed sideways.
+    let sideways = |c: &mut Chain| {
+        let start = c.programs[0].text.find("fixing)").unwrap();
+        let at = start + c.programs[0].text[start..].find("F1500\n").unwrap() + 6;
+        c.programs[0].text.insert_str(at, "X100.000\n");
+    };
+    found(&sideways, &|f| *f == Fault::DrillSideways);
     // A sign of the machine itself.
     found(&|c| c.file.machine.secondary.sign = 1.0, &|f| *f == Fault::Gouge);
     // A contour left out.
@@ -265,7 +280,7 @@ fn spindle_tool_table_clamps_and_order_are_watched() {
         c.programs[0].text.replace_range(start + 9..end, "");
     };
     found(&skip, &|f| matches!(f, Fault::Leftover(_)));
-    // Engraving left out, and one stroke of it too deep.
+    // Engraving left out.
     let engraving = |c: &mut Chain| {
         let start = c.programs[0].text.find("engraving)").unwrap();
         let end = start + c.programs[0].text[start..].find("\n(").unwrap();
@@ -292,4 +307,31 @@ fn a_proof_can_be_cancelled() {
     let params = ProofParams::default();
     let result = prove_programs(&c.programs, &c.file.machine, &c.parts, &c.layout, &params, &stop);
     assert_eq!(result, Err(tenon_geometry::proof::ProofError::Cancelled));
+}
+
+/// A part that lies elsewhere than the program thinks: what is cut into it and what is left are the shift seen along
+/// the normals of its chamfers.
+#[test]
+fn gouge_and_leftover_of_a_shifted_part_are_those_of_its_chamfers() {
+    let c = chain(2, 2, 10.0);
+    let part = c.layout.placements[0].part;
+    for k in 0..24 {
+        let heading = f64::from(k) * 0.26;
+        let shift = tenon_geometry::DVec2::new(heading.cos(), heading.sin()) * (0.1 + 0.04 * f64::from(k));
+        let mut layout = c.layout.clone();
+        layout.placements[0].offset += shift;
+        let params = ProofParams::default();
+        let report = prove_programs(&c.programs, &c.file.machine, &c.parts, &layout, &params, &|_| true).unwrap();
+        let verdict = report.parts[part as usize].as_ref().unwrap();
+        let solid = c.parts.panels.solid(part as usize);
+        // Front, back, four chamfers, then node facets, which the cuts beside them may clear as well.
+        let along = |sign: f64, faces: usize| {
+            let normals = solid.planes.iter().take(faces).map(|p| layout.placements[0].vector(p.normal));
+            normals.map(|n| sign * n.truncate().dot(shift)).fold(0.0, f64::max)
+        };
+        assert!(verdict.leftover > along(-1.0, 6) - 0.005 && verdict.leftover < along(-1.0, 99) + 0.005, "{verdict:?}");
+        assert!(verdict.gouge > along(1.0, 6) - 0.005 && verdict.gouge < shift.length() + 0.005, "{verdict:?}");
+        let others = report.parts.iter().flatten().filter(|p| p.part != part);
+        assert!(others.clone().count() == 3 && others.into_iter().all(|p| p.passed));
+    }
 }
