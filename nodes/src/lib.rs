@@ -1,3 +1,42 @@
-//! nodes
+//! Every built-in node: thin typed faces on `tenon_geometry`, the value types they exchange, files and posts.
+
+mod board;
+mod curve;
+mod files;
 pub mod io;
+mod joint;
+mod machine;
+mod mesh;
+mod motion;
+mod panel;
+mod params;
 pub mod post;
+mod proof;
+pub mod value;
+
+use tenon_engine::{NodeType, Registry};
+
+/// A registry with every built-in node and value type.
+#[must_use]
+pub fn registry() -> Registry {
+    let mut registry = Registry::new();
+    value::register(&mut registry);
+    let folders: [fn() -> Vec<NodeType>; 10] = [
+        params::nodes,
+        curve::nodes,
+        mesh::nodes,
+        panel::nodes,
+        joint::nodes,
+        board::nodes,
+        machine::nodes,
+        motion::nodes,
+        proof::nodes,
+        files::nodes,
+    ];
+    for node in folders.into_iter().flat_map(|nodes| nodes()) {
+        let name = node.type_name().to_string();
+        let registered = registry.register(node);
+        debug_assert!(registered.is_ok(), "node type {name}: {registered:?}");
+    }
+    registry
+}

@@ -8,17 +8,18 @@ use crate::panel::PanelSet;
 use glam::{DAffine3, DVec2, DVec3};
 
 /// Which face of the panels lies up on the machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Up {
     /// The front face (the designed surface).
     Front,
     /// The back face (thesis: addresses are engraved there).
+    #[default]
     Back,
 }
 
 /// Panels mapped to the machine plane, one by one: `panels` holds every panel in its own part frame, so that only
 /// columns of the same panel may be compared. `panels.neighbour` still tells who meets whom in the model.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartSet {
     /// The panels in part frames.
     pub panels: PanelSet,
@@ -31,7 +32,7 @@ pub struct PartSet {
 }
 
 /// Raw material on the machine table.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Board {
     /// Extent in x and y, mm.
     pub size: DVec2,
@@ -73,7 +74,7 @@ impl Placement {
 }
 
 /// Parts placed on equal boards.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
     /// The board, the same for all.
     pub board: Board,

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// A polyline, or several, in homogeneous coordinates. Segments are counted along the strips, in the order in which
 /// they are drawn.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curve {
     /// Homogeneous points (WX, WY, WZ, W), all W > 0, in drawing order. A closed curve does not repeat its first point.
     pub points: Vec<DVec4>,
@@ -21,7 +21,7 @@ pub struct Curve {
 }
 
 /// In which order, and in which direction, the transformed copies of a figure are drawn so that neighbours meet.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Traversal {
     /// Transformations in drawing order.
     pub letters: Vec<u32>,
@@ -40,7 +40,7 @@ impl Traversal {
 }
 
 /// Names of all segments of a curve in compact form: every patch has `base`ᵈⁱᵍⁱᵗˢ elements of `parts` segments.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Words {
     /// Number of transformations, k.
     pub base: u32,

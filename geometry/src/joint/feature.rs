@@ -96,3 +96,30 @@ pub struct FeatureSet {
     /// Purchased parts.
     pub hardware: Vec<Hardware>,
 }
+
+impl FeatureSet {
+    /// Several sets on the same panels as one, ordered by panel, then set. Joint numbers stay apart, equal hardware adds
+    /// up. O(n log n).
+    #[must_use]
+    pub fn merged<'a>(sets: impl IntoIterator<Item = &'a Self>) -> Self {
+        let mut all = Self::default();
+        let mut next_joint = 0;
+        for set in sets {
+            let first = next_joint;
+            let renumbered = |f: &Feature| Feature { joint: f.joint.map(|j| j + first), ..f.clone() };
+            all.features.extend(set.features.iter().map(renumbered));
+            all.by_hand.extend(set.by_hand.iter().map(renumbered));
+            let joints = set.features.iter().chain(&set.by_hand).filter_map(|f| f.joint);
+            next_joint += joints.max().map_or(0, |j| j + 1);
+            for h in &set.hardware {
+                match all.hardware.iter_mut().find(|known| known.name == h.name) {
+                    Some(known) => known.count += h.count,
+                    None => all.hardware.push(h.clone()),
+                }
+            }
+        }
+        all.features.sort_by_key(|f| f.panel);
+        all.by_hand.sort_by_key(|f| f.panel);
+        all
+    }
+}

@@ -73,7 +73,7 @@ pub struct Tool {
 }
 
 /// A linear axis with its travel, mm.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
     /// Address letter.
     pub letter: char,
@@ -84,7 +84,7 @@ pub struct Axis {
 }
 
 /// A rotary axis: turning by the programmed angle `q` rotates by `sign · q` about `about` (right-hand rule).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Rotary {
     /// Address letter.
     pub letter: char,
@@ -99,7 +99,7 @@ pub struct Rotary {
 }
 
 /// The table under the board.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     /// Extent of the table from the board's origin, mm.
     pub min: DVec3,
@@ -123,7 +123,7 @@ pub struct Clamp {
 /// A five-axis machine with two rotary axes in the head. The tool axis (from tip to spindle) is
 /// `R(primary) · R(secondary) · Z`: the primary carries the secondary. Coordinates are the tip's where `tip_control`
 /// is on; otherwise those of the pivot, `pivot` mm above the tip's end of the spindle nose plus tool length.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     /// Name for people.
     pub name: String,

@@ -7,9 +7,10 @@ use serde_json::{Map, Value};
 use tenon_geometry::machine::Machine;
 
 /// A machine with its dialect: all that a machine file says.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct MachineFile {
     /// Geometry: axes, limits, table, tools.
+    #[serde(flatten)]
     pub machine: Machine,
     /// Words.
     pub words: Words,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The words of a control. Templates may hold `{tool}`, `{speed}`, `{feed}` and `{safe}`, each where it has a meaning.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Words {
     /// File name extension, without the dot.
     pub extension: String,

@@ -24,7 +24,7 @@ pub struct PostParams<'a> {
 }
 
 /// A program as text.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PostedProgram {
     /// Board that it machines.
     pub board: u32,

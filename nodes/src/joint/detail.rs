@@ -1,0 +1,118 @@
+//! `detail`: fasteners along edges.
+
+use crate::value::{V, Vector};
+use tenon_engine::{Call, Fail, NodeType, Port, Text, Unit};
+use tenon_geometry::board::Up;
+use tenon_geometry::joint::{
+    Direction, EdgeSelection, Fastener, FastenerError, FastenerRule, FeatureSet, Head, Height, JointIssue, Pin, PinKind,
+    ScrewLength, ShortEdge, ToeScrew, lay_fasteners,
+};
+use tenon_geometry::panel::PanelSet;
+
+pub(super) fn node() -> NodeType {
+    let length = |name: &'static str, default: f64, doc: &'static str| {
+        Port::item::<f64>(name).unit(Unit::Length).range(0.0, 1e4).default(default).doc(doc)
+    };
+    NodeType::new("detail", 1)
+        .name("Detail")
+        .category("Joint")
+        .doc(
+            "Lays fasteners along edges by a rule, once per edge, so that the holes of both panels meet on one axis; checks \
+             the wood around them and whether the machine reaches them; counts the hardware. (000 §6.4)",
+        )
+        .keywords(&["screw", "toe screw", "dowel", "fastener", "joint", "holes", "hardware"])
+        .input(Port::item::<V<PanelSet>>("panels").doc("The panels."))
+        .input(Port::item::<Text>("kind").choices(&["toe screw", "screw", "dowel"]).default("toe screw").doc(
+            "Toe screw: from one face obliquely through the chamfer, for thin panels. Screw: into both chamfers, for thick \
+             ones. Dowel: a blind hole in both chamfers.",
+        ))
+        .input(Port::item::<Text>("edges").choices(&["all", "inner", "border", "along rows", "across rows"]).default("inner").doc("Which edges."))
+        .input(Port::item::<Text>("up").choices(&["front", "back"]).default("back").doc("The face that lies up on the machine; the same as for map. Toe screws are driven from it."))
+        .input(Port::item::<Text>("head").choices(&["lower address", "higher address", "alternate"]).default("alternate").doc("Which of the two panels is the first: it holds the head."))
+        .input(length("spacing", 150.0, "Greatest distance between fasteners along an edge."))
+        .input(length("end_distance", 40.0, "Distance of the outermost fasteners from the ends of their line."))
+        .input(length("least_spacing", 20.0, "An edge that leaves less for two fasteners counts as short."))
+        .input(Port::item::<Text>("short_edge").choices(&["middle", "nothing"]).default("middle").doc("What a short edge gets: one fastener in the middle, or none."))
+        .input(Port::item::<f64>("height").unit(Unit::Ratio).range(-1.0, 1.0).default(0.5).doc("Height of the fastener line on the chamfer: 0 at the front edge, 1 at the back edge; -1: where most wood remains."))
+        .input(Port::item::<f64>("angle").unit(Unit::Angle).range(-89.0, 89.0).default(45.0).doc("Angle between fastener and face in the plane normal to the edge."))
+        .input(Port::item::<Text>("direction").choices(&["chamfer normal", "section", "given"]).default("chamfer normal").doc("Screws and dowels: perpendicular to the chamfer, at angle to the face, or along vector."))
+        .input(Port::item::<Vector>("vector").default([0.0, 0.0, 1.0]).doc("The given direction, in the model."))
+        .input(length("hole", 3.0, "Diameter of the holes."))
+        .input(length("diameter", 3.5, "Diameter of the fastener."))
+        .input(length("length", 0.0, "Length of the fastener; 0: the longest trade length that fits (toe screws)."))
+        .input(length("depth", 20.0, "Depth of the hole in the second panel (toe screws), or in both; toe screws stop short of the far face by the cover."))
+        .input(length("cover", 1.0, "Least wood between a hole and any face that it does not go through."))
+        .output(Port::item::<V<FeatureSet>>("features").doc("Holes on both panels of every edge, and the hardware."))
+        .output(Port::item::<i64>("count").unit(Unit::Count).doc("Number of fasteners."))
+        .run(run)
+}
+
+fn run(c: &mut Call) -> Result<(), Fail> {
+    let rule = rule(c)?;
+    let (features, issues) =
+        lay_fasteners(c.item::<V<PanelSet>>("panels")?, &rule).map_err(|e| rule_fail(&e))?;
+    for issue in &issues {
+        if issue.is_fatal() { c.report(issue_fail(issue)) } else { c.warn(issue_fail(issue)) }
+    }
+    c.set("count", features.hardware.iter().map(|h| h.count as i64).sum::<i64>());
+    c.set("features", V::new(features));
+    Ok(())
+}
+
+fn rule(c: &Call) -> Result<FastenerRule, Fail> {
+    let up = if c.text("up")? == "front" { Up::Front } else { Up::Back };
+    let angle = c.number("angle")?.to_radians();
+    let (hole, diameter, length, depth) = (c.number("hole")?, c.number("diameter")?, c.number("length")?, c.number("depth")?);
+    let kind = c.text("kind")?;
+    let fastener = if kind == "toe screw" {
+        let length = if length > 0.0 { ScrewLength::Given(length) } else { ScrewLength::Longest };
+        Fastener::ToeScrew(ToeScrew { up, angle, pilot: hole, bite: depth, least_bite: 2.0, diameter, length })
+    } else {
+        let direction = match c.text("direction")? {
+            "section" => Direction::Section(angle),
+            "given" => Direction::Given(c.item::<Vector>("vector")?.0),
+            _ => Direction::ChamferNormal,
+        };
+        let kind = if kind == "dowel" { PinKind::Dowel } else { PinKind::Screw };
+        Fastener::Pin(Pin { kind, hole, depth: [depth; 2], direction, diameter, length })
+    };
+    let height = c.number("height")?;
+    Ok(FastenerRule {
+        edges: match c.text("edges")? {
+            "all" => EdgeSelection::All,
+            "border" => EdgeSelection::Border,
+            "along rows" => EdgeSelection::AlongRows,
+            "across rows" => EdgeSelection::AcrossRows,
+            _ => EdgeSelection::Inner,
+        },
+        fastener,
+        head: match c.text("head")? {
+            "lower address" => Head::LowerAddress,
+            "higher address" => Head::HigherAddress,
+            _ => Head::Alternate,
+        },
+        height: if height < 0.0 { Height::Balanced } else { Height::At(height) },
+        end_distance: c.number("end_distance")?,
+        spacing: c.number("spacing")?,
+        least_spacing: c.number("least_spacing")?,
+        short_edge: if c.text("short_edge")? == "nothing" { ShortEdge::Nothing } else { ShortEdge::Middle },
+        cover: c.number("cover")?,
+        ..FastenerRule::toe_screws(up)
+    })
+}
+
+fn issue_fail(issue: &JointIssue) -> Fail {
+    let code = match issue {
+        JointIssue::EdgeTooShort { .. } => "edge-too-short",
+        JointIssue::ThinWood { .. } => "hole-thin-wood",
+        JointIssue::TooDeep { .. } => "hole-too-deep",
+        JointIssue::ScrewTooLong { .. } => "screw-too-long",
+        JointIssue::AlongChamfer { .. } => "fastener-along-chamfer",
+        JointIssue::HolesMeet { .. } => "holes-meet",
+    };
+    Fail::new(code, issue.to_string()).port("panels").item(issue.place().0 as usize)
+}
+
+fn rule_fail(error: &FastenerError) -> Fail {
+    Fail::new("bad-parameter", error.to_string())
+}

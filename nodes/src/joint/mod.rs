@@ -1,0 +1,9 @@
+//! Nodes for joints.
+
+mod detail;
+
+use tenon_engine::NodeType;
+
+pub(crate) fn nodes() -> Vec<NodeType> {
+    vec![detail::node()]
+}

@@ -1,0 +1,12 @@
+//! Parameters and plumbing: values that people set, lists, ranges.
+
+mod list;
+mod primitive;
+mod spatial;
+
+use tenon_engine::NodeType;
+
+/// Every node of this folder.
+pub(crate) fn nodes() -> Vec<NodeType> {
+    [primitive::nodes(), spatial::nodes(), list::nodes()].into_iter().flatten().collect()
+}

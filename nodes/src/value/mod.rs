@@ -1,0 +1,123 @@
+//! The value types that the built-in nodes put on wires.
+//!
+//! The engine's [`Item`] is implemented for [`V<T>`] once, for every geometry type that is [`Carried`]: a type's name,
+//! digest, size and documented JSON stand in its own file here.
+
+mod board;
+mod curve;
+mod feature;
+mod machine;
+mod mesh;
+mod panel;
+mod path;
+mod point;
+mod program;
+mod proof;
+
+
+pub use curve::SegmentNames;
+pub use point::{Point, Vector};
+pub use program::{Program, Standing};
+
+use serde_json::json;
+use std::ops::Deref;
+use std::sync::Arc;
+use tenon_engine::{Digester, Item, Json, Registry};
+use tenon_geometry::DVec3;
+
+/// A shared value on a wire; cloning it is free.
+#[derive(Debug, Default)]
+pub struct V<T>(pub Arc<T>);
+
+impl<T> V<T> {
+    /// Puts `value` on a wire.
+    pub fn new(value: T) -> Self {
+        Self(Arc::new(value))
+    }
+}
+
+impl<T> Clone for V<T> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<T> Deref for V<T> {
+    type Target = T;
+    fn deref(&self) -> &T {
+        &self.0
+    }
+}
+
+/// What the engine must know of a type that wires carry.
+pub trait Carried: Default + Send + Sync + 'static {
+    /// Name of the type in files, docs and errors.
+    const TYPE: &'static str;
+    /// Feeds everything that makes two values differ.
+    fn digest(&self, d: &mut Digester);
+    /// Memory held besides the value itself, bytes.
+    fn heap_bytes(&self) -> usize;
+    /// The documented JSON of the type.
+    fn to_json(&self) -> Json;
+    /// Reads a literal; most types have none.
+    fn from_json(_json: &Json) -> Result<Self, String> {
+        Err(format!("a {} cannot be written in the file; wire one to this port", Self::TYPE))
+    }
+    /// One line for people.
+    fn summary(&self) -> String;
+}
+
+impl<T: Carried> Item for V<T> {
+    const TYPE: &'static str = T::TYPE;
+    fn digest(&self, d: &mut Digester) {
+        self.0.digest(d);
+    }
+    fn heap_bytes(&self) -> usize {
+        size_of::<T>() + self.0.heap_bytes()
+    }
+    fn to_json(&self) -> Json {
+        self.0.to_json()
+    }
+    fn from_json(json: &Json) -> Result<Self, String> {
+        T::from_json(json).map(Self::new)
+    }
+    fn summary(&self) -> String {
+        self.0.summary()
+    }
+}
+
+/// Makes every value type and every implicit conversion known.
+pub fn register(registry: &mut Registry) {
+    registry.register_type::<Point>();
+    registry.register_type::<Vector>();
+    registry.register_type::<V<tenon_geometry::Plane>>();
+    registry.register_type::<V<tenon_geometry::ifs::Curve>>();
+    registry.register_type::<V<SegmentNames>>();
+    registry.register_type::<V<tenon_geometry::mesh::Mesh>>();
+    registry.register_type::<V<tenon_geometry::panel::PanelSet>>();
+    registry.register_type::<V<tenon_geometry::joint::FeatureSet>>();
+    registry.register_type::<V<tenon_geometry::board::PartSet>>();
+    registry.register_type::<V<tenon_geometry::board::Layout>>();
+    registry.register_type::<V<tenon_geometry::motion::PathParams>>();
+    registry.register_type::<V<tenon_geometry::motion::ToolPaths>>();
+    registry.register_type::<V<crate::post::MachineFile>>();
+    registry.register_type::<Program>();
+    registry.register_type::<V<tenon_geometry::proof::ProofReport>>();
+    registry.register_conversion::<Point, Vector>(|p| Ok(Vector(p.0)));
+    registry.register_conversion::<Vector, Point>(|v| Ok(Point(v.0)));
+}
+
+/// `[x, y, z]`, mm.
+pub(crate) fn xyz(p: DVec3) -> Json {
+    json!([p.x, p.y, p.z])
+}
+
+/// Feeds points to a digest.
+pub(crate) fn digest_points(d: &mut Digester, points: &[DVec3]) {
+    d.u64(points.len() as u64);
+    for p in points {
+        d.f64(p.x);
+        d.f64(p.y);
+        d.f64(p.z);
+    }
+}

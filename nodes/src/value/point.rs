@@ -1,0 +1,92 @@
+//! Points, vectors and planes.
+
+use super::{Carried, xyz};
+use serde_json::json;
+use tenon_engine::{Digester, Item, Json};
+use tenon_geometry::{DVec3, Plane};
+
+/// A point, mm. JSON `[x, y, z]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Point(pub DVec3);
+
+/// A vector, mm where it is a length. JSON `[x, y, z]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Vector(pub DVec3);
+
+/// Reads `[x, y]` or `[x, y, z]` with finite numbers.
+pub(crate) fn read_xyz(json: &Json) -> Result<DVec3, String> {
+    let list = json.as_array().filter(|l| l.len() == 2 || l.len() == 3);
+    let Some(list) = list else { return Err(format!("expected [x, y, z] in mm, found {json}")) };
+    let mut c = [0.0; 3];
+    for (slot, value) in c.iter_mut().zip(list) {
+        *slot = value
+            .as_f64()
+            .filter(|x| x.is_finite())
+            .ok_or_else(|| format!("expected three finite numbers [x, y, z] in mm, found {json}"))?;
+    }
+    Ok(DVec3::from_array(c))
+}
+
+fn digest_xyz(v: DVec3, d: &mut Digester) {
+    d.f64(v.x);
+    d.f64(v.y);
+    d.f64(v.z);
+}
+
+impl Item for Point {
+    const TYPE: &'static str = "point";
+    fn digest(&self, d: &mut Digester) {
+        digest_xyz(self.0, d);
+    }
+    fn to_json(&self) -> Json {
+        xyz(self.0)
+    }
+    fn from_json(json: &Json) -> Result<Self, String> {
+        read_xyz(json).map(Self)
+    }
+    fn summary(&self) -> String {
+        format!("({}, {}, {}) mm", self.0.x, self.0.y, self.0.z)
+    }
+}
+
+impl Item for Vector {
+    const TYPE: &'static str = "vector";
+    fn digest(&self, d: &mut Digester) {
+        digest_xyz(self.0, d);
+    }
+    fn to_json(&self) -> Json {
+        xyz(self.0)
+    }
+    fn from_json(json: &Json) -> Result<Self, String> {
+        read_xyz(json).map(Self)
+    }
+    fn summary(&self) -> String {
+        format!("({}, {}, {})", self.0.x, self.0.y, self.0.z)
+    }
+}
+
+impl Carried for Plane {
+    const TYPE: &'static str = "plane";
+    fn digest(&self, d: &mut Digester) {
+        digest_xyz(self.normal, d);
+        d.f64(self.offset);
+    }
+    fn heap_bytes(&self) -> usize {
+        0
+    }
+    fn to_json(&self) -> Json {
+        json!({ "origin": xyz(self.normal * self.offset), "normal": xyz(self.normal) })
+    }
+    fn from_json(json: &Json) -> Result<Self, String> {
+        let part = |key: &str| json.get(key).ok_or_else(|| format!("a plane is {{\"origin\", \"normal\"}}; no {key}"));
+        let origin = read_xyz(part("origin")?)?;
+        let normal = read_xyz(part("normal")?)?
+            .try_normalize()
+            .ok_or_else(|| "a plane's normal must not be the zero vector".to_string())?;
+        Ok(Self::through(origin, normal))
+    }
+    fn summary(&self) -> String {
+        let n = self.normal;
+        format!("plane with normal ({}, {}, {}) at {} mm", n.x, n.y, n.z, self.offset)
+    }
+}

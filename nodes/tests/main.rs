@@ -1,0 +1,3 @@
+//! Whole chains through the nodes.
+
+mod registry;
