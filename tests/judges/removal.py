@@ -12,7 +12,6 @@ from machine import tool_axis
 
 SIDES = 256
 TURN = 2.0  # degrees of turning per swept piece
-CHUNK = 50  # sweeps subtracted at once: a lazy union of thousands takes minutes
 REACH = 1.0  # mm above a designed face in which leftovers are looked for
 
 
@@ -79,8 +78,8 @@ class Sweeps:
             hit &= np.isin(self.tool, list(tools))
         return np.flatnonzero(hit)
 
-    def body(self, k, profile, outside, origin):
-        """Hull of a body of revolution at both ends of piece k."""
+    def rings(self, k, profile, outside, origin):
+        """Points on a body of revolution at both ends of piece k; the sweep is their hull."""
         grow = 1 / np.cos(np.pi / SIDES) if outside else 1.0
         rings = []
         for tip, axis in ((self.start[k], self.axis[0][k]), (self.end[k], self.axis[1][k])):
@@ -90,7 +89,11 @@ class Sweeps:
             turn = np.arange(SIDES) * (2 * np.pi / SIDES)
             ring = np.outer(np.cos(turn), x) + np.outer(np.sin(turn), y)
             rings += [tip - origin + h * axis + (grow * r) * ring for h, r in profile]
-        return Manifold.hull_points(np.vstack(rings))
+        return np.vstack(rings)
+
+    def body(self, k, profile, outside, origin):
+        """What a body of revolution sweeps in piece k."""
+        return Manifold.hull_points(self.rings(k, profile, outside, origin))
 
 
 def cylinder(foot, axis, length, radius):
@@ -139,11 +142,16 @@ def gouge(part, sweeps, exact=1e-4):
         tool = sweeps.machine.tools[sweeps.tool[k]]
         bodies = [] if tool.kind == "engraver" else [tool.cutter()]
         for profile in bodies + tool.others(sweeps.machine.spindle):
-            met = sweeps.body(k, profile, True, origin) ^ below
+            rings = sweeps.rings(k, profile, True, origin)
+            # Behind no face does it reach deeper than behind the one where it reaches least: often that settles it.
+            most = float((local.offsets - rings @ local.normals.T).max(axis=0).min())
+            if most <= deepest + exact:
+                continue
+            met = Manifold.hull_points(rings) ^ below
             if met.volume() < 1e-9:
                 continue
             # The corners of what is met all lie on the part's own faces when a body passes right through: halve.
-            least, most = deepest, float((high - low).min())
+            least = deepest
             while most - least > exact / 2:
                 middle = (least + most) / 2
                 if (met ^ core(middle)).volume() > 1e-9:
@@ -170,27 +178,31 @@ def leftover(part, sweeps, thickness):
     """Highest stock that still stands on a chamfer or node facet, measured along its normal, mm, up to `REACH`; and the
     face. Faces in the board's own two sides are not cut."""
     worst, where = 0.0, None
+    middle = part.points.mean(axis=0)
+    low, high = part.points.min(axis=0) - 2 * REACH, part.points.max(axis=0) + 2 * REACH
+    cuts = []
+    for k in sweeps.near(low, high):
+        tool = sweeps.machine.tools[sweeps.tool[k]]
+        if tool.kind == "end_mill":
+            rings = sweeps.rings(k, tool.cutter(), False, middle)
+            cuts.append((rings.min(axis=0), rings.max(axis=0), Manifold.hull_points(rings)))
     for f, loop in enumerate(part.faces):
         n, d = part.normals[f], part.offsets[f]
         if abs(n[2]) > 1 - 1e-9:
             continue
-        foot = part.points[loop]
-        origin = foot.mean(axis=0)
-        around = np.vstack([foot, foot + REACH * n]) - origin
+        foot = part.points[loop] - middle
+        around = np.vstack([foot, foot + REACH * n])
+        low, high = around.min(axis=0), around.max(axis=0)
         stock = Manifold.hull_points(around)
-        stock = stock.trim_by_plane((0, 0, 1), float(-origin[2]))
-        stock = stock.trim_by_plane((0, 0, -1), float(origin[2] - thickness))
-        if stock.is_empty():
-            continue
-        low, high = around.min(axis=0) + origin, around.max(axis=0) + origin
-        near = [k for k in sweeps.near(low, high) if sweeps.machine.tools[sweeps.tool[k]].kind == "end_mill"]
-        for c in range(0, len(near), CHUNK):
-            bodies = [sweeps.body(k, sweeps.machine.tools[sweeps.tool[k]].cutter(), False, origin) for k in near[c : c + CHUNK]]
-            stock = stock - Manifold.batch_boolean(bodies, OpType.Add)
+        stock = stock.trim_by_plane((0, 0, 1), float(-middle[2]))
+        stock = stock.trim_by_plane((0, 0, -1), float(middle[2] - thickness))
+        for least, most, cut in cuts:
+            if np.all(least <= high) and np.all(most >= low) and not stock.is_empty():
+                stock = stock - cut
         for piece in stock.decompose():
             if piece.volume() < 1e-9:
                 continue
-            height = vertices(piece) @ n - (d - origin @ n)
+            height = vertices(piece) @ n - (d - middle @ n)
             if height.min() < 1e-4 and height.max() > worst:
                 worst, where = float(height.max()), f
     return worst, where

@@ -75,8 +75,10 @@ pub struct DrawnPiece {
     pub holes: Vec<DrawnHole>,
     /// Slots, pockets and inner contours as polygons.
     pub cuts: Vec<Vec<DVec2>>,
-    /// Texts: the engraved ones where they stand, else the address in the middle.
-    pub texts: Vec<DrawnText>,
+    /// The address, as large as fits in the middle of the upper face.
+    pub label: DrawnText,
+    /// Engraved texts where they stand.
+    pub engraved: Vec<DrawnText>,
 }
 
 /// A hole seen from above.
@@ -151,7 +153,7 @@ fn piece(parts: &PartSet, layout: &Layout, place: &Placement, features: &[&Featu
     let (upper, lower) = if parts.up == Up::Front { (front, back) } else { (back, front) };
     let (upper, lower) = (counter_clockwise(upper), counter_clockwise(lower));
     let address = parts.panels.address[i].to_string();
-    let (mut holes, mut cuts, mut texts) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut holes, mut cuts, mut engraved) = (Vec::new(), Vec::new(), Vec::new());
     for f in features {
         match &f.machining {
             Machining::Drill { entry, axis, depth, diameter } => {
@@ -165,7 +167,7 @@ fn piece(parts: &PartSet, layout: &Layout, place: &Placement, features: &[&Featu
             Machining::Contour { line, .. } => cuts.push(line.iter().map(|&p| at(p)).collect()),
             Machining::Engraving { origin, along, height, text, .. } => {
                 let d = place.vector(*along);
-                texts.push(DrawnText {
+                engraved.push(DrawnText {
                     origin: at(*origin),
                     turn: d.y.atan2(d.x),
                     height: *height,
@@ -174,12 +176,10 @@ fn piece(parts: &PartSet, layout: &Layout, place: &Placement, features: &[&Featu
             }
         }
     }
-    if texts.is_empty() && !upper.is_empty() {
-        texts.push(middle_text(&upper, &address));
-    }
+    let label = middle_text(&upper, &address);
     let (piece, cleared) = (outline(&layout.piece[i]), outline(&layout.cleared[i]));
     let (part, placement, frame) = (place.part, *place, parts.frame[i]);
-    DrawnPiece { part, frame, placement, address, upper, lower, piece, cleared, holes, cuts, texts }
+    DrawnPiece { part, frame, placement, address, upper, lower, piece, cleared, holes, cuts, label, engraved }
 }
 
 fn without_repeats(mut line: Vec<DVec2>) -> Vec<DVec2> {
@@ -206,6 +206,9 @@ pub(super) fn signed_area(line: &[DVec2]) -> f64 {
 /// The text in the middle of a convex outline, read along its longest edge and from below or from the right.
 fn middle_text(outline: &[DVec2], text: &str) -> DrawnText {
     let n = outline.len();
+    if n == 0 {
+        return DrawnText { origin: DVec2::ZERO, turn: 0.0, height: 1.0, text: text.to_owned() };
+    }
     let middle = outline.iter().sum::<DVec2>() / n as f64;
     let edge = |k: usize| outline[(k + 1) % n] - outline[k];
     let longest = (1..n).fold(0, |best, k| if edge(k).length() > edge(best).length() { k } else { best });
@@ -239,9 +242,9 @@ mod tests {
         assert!(signed_area(&second.upper) > 0.0 && signed_area(&second.lower) > 0.0);
         let depth = 14.0 * 0.5_f64.sqrt();
         assert!(first.holes[0].tip.distance(DVec2::new(140.0, 55.0 - depth)) < 1e-12);
-        assert_eq!(first.texts[0].text, "3.0");
+        assert_eq!(first.engraved[0].text, "3.0");
         // Along the longest edge, which stands upright on the second board: read from the right.
-        assert!((second.texts[0].turn - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+        assert!((second.label.turn - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     }
 
     #[test]

@@ -150,7 +150,9 @@ impl Dxf {
                 self.entity("LINE", "HOLES", "AcDbLine").point(10, hole.mouth + origin).point(11, hole.tip + origin);
             }
         }
-        for t in &piece.texts {
+        // One text per piece: the engraved one, else the address.
+        let texts = if piece.engraved.is_empty() { std::slice::from_ref(&piece.label) } else { &piece.engraved };
+        for t in texts {
             self.label(t.origin + origin, t.turn, t.height, &t.text);
         }
     }

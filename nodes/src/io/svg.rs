@@ -18,7 +18,9 @@ const STYLE: &str = "\
 .hole{fill:#fff;stroke:#1f4e79;stroke-width:.7}\
 .bore{stroke:#1f4e79;stroke-width:.7}\
 .grain{stroke:#8a6d3b;stroke-width:4;fill:none;stroke-linecap:round;stroke-linejoin:round}\
-text{font-family:Helvetica,Arial,sans-serif;fill:#33210b}";
+text{font-family:Helvetica,Arial,sans-serif;fill:#33210b}\
+.address{fill-opacity:.45}\
+.engraved{fill:#1f4e79}";
 
 /// Writes the drawing as SVG, 1 user unit = 1 mm, 2 decimals. Every board stands upright (Y up), named with its number
 /// of pieces and the share of its area that they fill; `grain` is the grain's direction in the board, drawn as an arrow
@@ -71,18 +73,21 @@ impl Svg {
         self.polygon("board", &corners(0.0));
         self.polygon("usable", &corners(margin));
         let height = 0.04 * size.x;
-        self.label(&DrawnText {
-            origin: DVec2::new(0.0, size.y + 0.75 * height),
-            turn: 0.0,
-            height,
-            text: format!(
-                "Board {} · {} {} · {:.0} % filled",
-                board + 1,
-                pieces.len(),
-                if pieces.len() == 1 { "piece" } else { "pieces" },
-                100.0 * used / (size.x * size.y).max(1e-9)
-            ),
-        });
+        self.label(
+            "title",
+            &DrawnText {
+                origin: DVec2::new(0.0, size.y + 0.75 * height),
+                turn: 0.0,
+                height,
+                text: format!(
+                    "Board {} · {} {} · {:.0} % filled",
+                    board + 1,
+                    pieces.len(),
+                    if pieces.len() == 1 { "piece" } else { "pieces" },
+                    100.0 * used / (size.x * size.y).max(1e-9)
+                ),
+            },
+        );
         if let Some(direction) = grain.and_then(DVec2::try_normalize) {
             self.grain(DVec2::new(size.x - 1.5 * height, size.y + 1.2 * height), direction, 1.2 * height);
         }
@@ -100,6 +105,7 @@ impl Svg {
         self.polygon("piece", &piece.piece);
         self.polygon("upper", &piece.upper);
         self.polygon("lower", &piece.lower);
+        self.label("address", &piece.label);
         for cut in &piece.cuts {
             self.polygon("cut", cut);
         }
@@ -114,8 +120,8 @@ impl Svg {
             let r = 0.5 * hole.diameter;
             self.put(format_args!("<circle class=\"hole\" cx=\"{:.2}\" cy=\"{:.2}\" r=\"{r:.2}\"/>\n", m.x, m.y));
         }
-        for text in &piece.texts {
-            self.label(text);
+        for text in &piece.engraved {
+            self.label("engraved", text);
         }
         self.text.push_str("</g>\n");
     }
@@ -133,12 +139,12 @@ impl Svg {
         self.text.push_str("\"/>\n");
     }
 
-    fn label(&mut self, text: &DrawnText) {
+    fn label(&mut self, class: &str, text: &DrawnText) {
         let p = self.at(text.origin);
         // Capitals of the usual faces are 0.72 of the font size.
         let size = text.height / 0.72;
         self.put(format_args!(
-            "<text transform=\"translate({:.2} {:.2}) rotate({:.3})\" font-size=\"{size:.2}\">{}</text>\n",
+            "<text class=\"{class}\" transform=\"translate({:.2} {:.2}) rotate({:.3})\" font-size=\"{size:.2}\">{}</text>\n",
             p.x,
             p.y,
             0.0 - text.turn.to_degrees(),
