@@ -4,13 +4,16 @@ use super::cover::{Hole, PanelPlanes, segment_distance};
 use super::feature::{Feature, FeatureSet, Hardware, Machining};
 use super::issue::{FastenerError, JointIssue};
 use super::rule::{
-    Direction, EdgeSelection, Fastener, FastenerRule, Head, Height, Pin, PinKind, ScrewLength, ShortEdge, ToeScrew,
+    Direction, EdgeSelection, Fastener, FastenerRule, Head, Height, Pin, PinKind, ShortEdge, Toe, ToeLength,
 };
 use crate::board::Up;
 use crate::panel::{PanelSet, Side};
 use crate::plane::Plane;
 use glam::DVec3;
 use std::collections::BTreeMap;
+
+/// Lengths in which dowels of hard wood are sold, mm.
+pub const DOWEL_LENGTHS: [f64; 10] = [20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0, 80.0, 100.0, 120.0];
 
 /// Lengths in which screws are sold, mm.
 pub const SCREW_LENGTHS: [f64; 16] =
@@ -40,7 +43,7 @@ pub fn lay_all(set: &PanelSet, rules: &[FastenerRule]) -> Result<(FeatureSet, Ve
         set,
         planes: PanelPlanes::new(set),
         features: Vec::new(),
-        by_panel: vec![Vec::new(); set.len()],
+        bores: (0..set.len()).map(|_| Vec::new()).collect(),
         hardware: BTreeMap::new(),
         issues: Vec::new(),
         joints: 0,
@@ -54,7 +57,9 @@ pub fn lay_all(set: &PanelSet, rules: &[FastenerRule]) -> Result<(FeatureSet, Ve
     }
     let mut features = lay.features;
     features.sort_by_key(|f| f.panel);
-    let hardware = lay.hardware.into_iter().map(|(name, count)| Hardware { name, count }).collect();
+    let name = |name: &str, [d, l]: [u64; 2]| format!("{name} {} x {}", f64::from_bits(d), f64::from_bits(l));
+    let hardware = lay.hardware.into_iter();
+    let hardware = hardware.map(|((kind, size), count)| Hardware { name: name(kind, size), count }).collect();
     Ok((FeatureSet { features, by_hand: Vec::new(), hardware }, lay.issues))
 }
 
@@ -62,9 +67,10 @@ struct Lay<'a> {
     set: &'a PanelSet,
     planes: PanelPlanes,
     features: Vec<Feature>,
-    /// Indices of the features of each panel.
-    by_panel: Vec<Vec<u32>>,
-    hardware: BTreeMap<String, u64>,
+    /// The holes of each panel.
+    bores: Vec<Vec<Bore>>,
+    /// By name, and bits of diameter and length.
+    hardware: BTreeMap<(&'static str, [u64; 2]), u64>,
     issues: Vec<JointIssue>,
     joints: u32,
 }
@@ -182,10 +188,10 @@ impl Lay<'_> {
             let (first, second) = self.by_head(rule.head, own, other, number);
             let place = Place { rule, first, second, at: from + along * s, number: number as u32 };
             let laid = match rule.fastener {
-                Fastener::ToeScrew(screw) => self.toe_screw(&place, &screw),
+                Fastener::Toe(toe) => self.toe(&place, &toe),
                 Fastener::Pin(pin) => self.pin(&place, &pin),
             };
-            if let Err(issue) = laid.and_then(|(holes, name)| self.keep(rule, holes, name)) {
+            if let Err(issue) = laid.and_then(|laid| self.keep(rule, laid)) {
                 self.issues.push(issue);
             }
         }
@@ -232,8 +238,8 @@ impl Lay<'_> {
             }
         };
         match place.rule.fastener {
-            Fastener::ToeScrew(screw) => {
-                let axis = self.toe_axis(&screw, &place.first).1;
+            Fastener::Toe(toe) => {
+                let axis = self.toe_axis(&toe, &place.first).1;
                 [Some(place.first), place.second].into_iter().flatten().for_each(|half| widen(half, axis, 0.0));
             }
             Fastener::Pin(pin) => {
@@ -247,59 +253,63 @@ impl Lay<'_> {
         (0.5 + 0.5 * (reach[0] - reach[1]) / self.set.thickness).clamp(0.0, 1.0)
     }
 
-    /// The face from which a toe screw is driven, and its direction.
-    fn toe_axis(&self, screw: &ToeScrew, first: &Half) -> (Plane, DVec3) {
-        let face = match screw.up {
+    /// The face from which an oblique fastener is driven, and its direction.
+    fn toe_axis(&self, toe: &Toe, first: &Half) -> (Plane, DVec3) {
+        let face = match toe.up {
             Up::Front => first.front,
             Up::Back => Plane { normal: -first.front.normal, offset: self.set.thickness - first.front.offset },
         };
-        let (sin, cos) = screw.angle.sin_cos();
+        let (sin, cos) = toe.angle.sin_cos();
         (face, (first.outward() * cos - face.normal * sin).normalize())
     }
 
-    /// The holes of a toe screw, and the screw's name.
-    fn toe_screw(&self, place: &Place, screw: &ToeScrew) -> Result<(Vec<Feature>, String), JointIssue> {
+    /// The holes of an oblique fastener, and its name.
+    fn toe(&self, place: &Place, toe: &Toe) -> Result<Laid, JointIssue> {
         let Place { rule, first, second, at, number } = *place;
         let (panel, edge, cover) = (first.panel, first.edge, rule.cover);
-        let (face, axis) = self.toe_axis(screw, &first);
+        let (purpose, name, sold) = match toe.kind {
+            PinKind::Screw => ("toe screw", "Screw", &SCREW_LENGTHS[..]),
+            PinKind::Dowel => ("toe dowel", "Dowel", &DOWEL_LENGTHS[..]),
+        };
+        let (face, axis) = self.toe_axis(toe, &first);
         let across = place.crossing(axis)?;
-        let in_first = -face.distance(at) / screw.angle.sin();
+        let in_first = -face.distance(at) / toe.angle.sin();
         let hole = place.hole(at - axis * in_first, axis);
         let mouth = hole.beside_mouth(hole.entry, face, self.planes.others(panel, face));
         let exit = hole.beside_mouth(at, first.chamfer, self.planes.others(panel, first.chamfer));
         place.enough_wood(first, mouth.min(exit))?;
         // Through the chamfer with the full diameter, into the waste beside the panel.
         let through = in_first + hole.radius * (1.0 - across * across).max(0.0).sqrt() / across + hole.point;
-        let mut holes = vec![drill(first, &hole, through, "toe screw")];
+        let mut holes = [Some(drill(first, &hole, through, purpose)), None];
         let bite = match second {
             Some(q) => {
                 let hole = place.hole(at, axis);
                 let others = self.planes.others(q.panel, q.chamfer);
                 place.enough_wood(q, hole.beside_mouth(at, q.chamfer, others.clone()))?;
                 let largest = hole.deepest(cover, others);
-                let bite = largest.min(screw.bite);
-                if bite < screw.least_bite {
-                    let (panel, edge, depth) = (q.panel, q.edge, screw.least_bite);
+                let bite = largest.min(toe.bite);
+                if bite < toe.least_bite {
+                    let (panel, edge, depth) = (q.panel, q.edge, toe.least_bite);
                     return Err(JointIssue::TooDeep { panel, edge, number, depth, cover, largest });
                 }
-                holes.push(drill(q, &hole, bite, "toe screw"));
+                holes[1] = Some(drill(q, &hole, bite, purpose));
                 bite
             }
-            None => screw.bite,
+            None => toe.bite,
         };
         let longest = in_first + bite;
-        let length = match screw.length {
-            ScrewLength::Given(length) => length,
-            ScrewLength::Longest => SCREW_LENGTHS.into_iter().rev().find(|&l| l <= longest).unwrap_or(SCREW_LENGTHS[0]),
+        let length = match toe.length {
+            ToeLength::Given(length) => length,
+            ToeLength::Longest => sold.iter().rev().copied().find(|&l| l <= longest).unwrap_or(sold[0]),
         };
         if length > longest {
-            return Err(JointIssue::ScrewTooLong { panel, edge, number, length, longest });
+            return Err(JointIssue::TooLong { panel, edge, number, length, longest });
         }
-        Ok((holes, format!("Screw {} x {length}", screw.diameter)))
+        Ok(Laid { holes, name, size: [toe.diameter, length] })
     }
 
     /// The holes of a pin, and the pin's name.
-    fn pin(&self, place: &Place, pin: &Pin) -> Result<(Vec<Feature>, String), JointIssue> {
+    fn pin(&self, place: &Place, pin: &Pin) -> Result<Laid, JointIssue> {
         let Place { rule, first, second, at, number } = *place;
         let axis = pin_axis(pin, &first);
         place.crossing(axis)?;
@@ -307,8 +317,9 @@ impl Lay<'_> {
             PinKind::Screw => ("screw", "Screw"),
             PinKind::Dowel => ("dowel", "Dowel"),
         };
-        let mut holes = Vec::with_capacity(2);
-        for (half, axis, depth) in [(Some(first), -axis, pin.depth[0]), (second, axis, pin.depth[1])] {
+        let mut holes = [None, None];
+        let sides = [(Some(first), -axis, pin.depth[0]), (second, axis, pin.depth[1])];
+        for (place_of, (half, axis, depth)) in holes.iter_mut().zip(sides) {
             let Some(half) = half else { continue };
             let hole = place.hole(at, axis);
             let others = self.planes.others(half.panel, half.chamfer);
@@ -318,32 +329,59 @@ impl Lay<'_> {
                 let (panel, edge, cover) = (half.panel, half.edge, rule.cover);
                 return Err(JointIssue::TooDeep { panel, edge, number, depth, cover, largest });
             }
-            holes.push(drill(half, &hole, depth, purpose));
+            *place_of = Some(drill(half, &hole, depth, purpose));
         }
-        Ok((holes, format!("{name} {} x {}", pin.diameter, pin.length)))
+        Ok(Laid { holes, name, size: [pin.diameter, pin.length] })
     }
 
     /// Keeps the holes of one fastener unless they meet others.
-    fn keep(&mut self, rule: &FastenerRule, holes: Vec<Feature>, name: String) -> Result<(), JointIssue> {
-        for hole in &holes {
-            let Some((axis, radius)) = extent(hole) else { continue };
-            for &other in &self.by_panel[hole.panel as usize] {
-                let other = &self.features[other as usize];
-                let Some((other_axis, other_radius)) = extent(other) else { continue };
-                let gap = segment_distance(axis, other_axis) - radius - other_radius;
+    fn keep(&mut self, rule: &FastenerRule, laid: Laid) -> Result<(), JointIssue> {
+        let radius = 0.5 * rule.hole();
+        let bores = laid.holes.each_ref().map(|hole| hole.as_ref().and_then(|f| Bore::of(f, radius)));
+        for (hole, bore) in laid.holes.iter().zip(&bores) {
+            let (Some(hole), Some(bore)) = (hole, bore) else { continue };
+            for other in &self.bores[hole.panel as usize] {
+                let gap = segment_distance(bore.axis, other.axis) - bore.radius - other.radius;
                 if gap < rule.cover {
-                    let edges = [other.edge.unwrap_or(0), hole.edge.unwrap_or(0)];
+                    let edges = [other.edge, bore.edge];
                     return Err(JointIssue::HolesMeet { panel: hole.panel, edges, gap, cover: rule.cover });
                 }
             }
         }
-        for hole in holes {
-            self.by_panel[hole.panel as usize].push(self.features.len() as u32);
+        for (hole, bore) in laid.holes.into_iter().zip(bores) {
+            let (Some(hole), Some(bore)) = (hole, bore) else { continue };
+            self.bores[hole.panel as usize].push(bore);
             self.features.push(Feature { joint: Some(self.joints), ..hole });
         }
         self.joints += 1;
-        *self.hardware.entry(name).or_default() += 1;
+        // Positive numbers order as their bits do.
+        *self.hardware.entry((laid.name, laid.size.map(f64::to_bits))).or_default() += 1;
         Ok(())
+    }
+}
+
+/// The holes of one fastener, and its trade name with diameter and length.
+struct Laid {
+    holes: [Option<Feature>; 2],
+    name: &'static str,
+    size: [f64; 2],
+}
+
+/// A hole as its neighbours see it.
+struct Bore {
+    axis: [DVec3; 2],
+    radius: f64,
+    edge: u32,
+}
+
+impl Bore {
+    fn of(feature: &Feature, radius: f64) -> Option<Self> {
+        match feature.machining {
+            Machining::Drill { entry, axis, depth, .. } => {
+                Some(Self { axis: [entry, entry + axis * depth], radius, edge: feature.edge? })
+            }
+            _ => None,
+        }
     }
 }
 
@@ -364,13 +402,5 @@ fn drill(half: Half, hole: &Hole, depth: f64, purpose: &'static str) -> Feature 
         joint: None,
         purpose,
         machining: Machining::Drill { entry: hole.entry, axis: hole.axis, depth, diameter: 2.0 * hole.radius },
-    }
-}
-
-/// Axis and radius of a drilled hole.
-fn extent(feature: &Feature) -> Option<([DVec3; 2], f64)> {
-    match feature.machining {
-        Machining::Drill { entry, axis, depth, diameter } => Some(([entry, entry + axis * depth], 0.5 * diameter)),
-        _ => None,
     }
 }

@@ -71,7 +71,7 @@ pub struct Feature {
     pub edge: Option<u32>,
     /// Joint number shared by the features that must meet in space; `None` for a feature that stands alone.
     pub joint: Option<u32>,
-    /// What it is for: "toe screw", "dowel", "fixing", "address".
+    /// What it is for: "toe screw", "toe dowel", "screw", "dowel", "fixing", "address".
     pub purpose: &'static str,
     /// The shape.
     pub machining: Machining,

@@ -46,18 +46,18 @@ pub enum JointIssue {
         edge: u32,
         /// Fastener along the edge, from 0.
         number: u32,
-        /// Depth asked for (for toe screws the least), mm.
+        /// Depth asked for (for toe fasteners the least), mm.
         depth: f64,
         /// Wood asked for, mm.
         cover: f64,
         /// Greatest depth that would work, mm.
         largest: f64,
     },
-    /// Fatal: no screw is short enough.
+    /// Fatal: no fastener that is sold is short enough, or the given one is too long.
     #[error(
-        "panel {panel}, edge {edge}, fastener {number}: a screw of {length} mm would leave the wood; up to {longest:.2} mm would work"
+        "panel {panel}, edge {edge}, fastener {number}: a fastener of {length} mm is too long for its hole; up to {longest:.2} mm would work"
     )]
-    ScrewTooLong {
+    TooLong {
         /// Panel of the head.
         panel: u32,
         /// Edge of the panel.
@@ -103,7 +103,7 @@ impl JointIssue {
             Self::EdgeTooShort { panel, edge, .. }
             | Self::ThinWood { panel, edge, .. }
             | Self::TooDeep { panel, edge, .. }
-            | Self::ScrewTooLong { panel, edge, .. }
+            | Self::TooLong { panel, edge, .. }
             | Self::AlongChamfer { panel, edge, .. } => (panel, Some(edge)),
             Self::HolesMeet { panel, edges, .. } => (panel, Some(edges[1])),
         }

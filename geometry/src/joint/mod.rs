@@ -4,13 +4,15 @@ mod cover;
 mod fastener;
 mod feature;
 mod issue;
+mod reach;
 mod rule;
 #[cfg(test)]
 mod tests;
 
-pub use fastener::{SCREW_LENGTHS, lay_all, lay_fasteners};
+pub use fastener::{DOWEL_LENGTHS, SCREW_LENGTHS, lay_all, lay_fasteners};
 pub use feature::{Feature, FeatureSet, Hardware, Machining};
 pub use issue::{FastenerError, JointIssue};
+pub use reach::{OutOfReach, ReachError, ReachIssue, ReachRule, check_reach, reach, reach_with};
 pub use rule::{
-    Direction, EdgeSelection, Fastener, FastenerRule, Head, Height, Pin, PinKind, ScrewLength, ShortEdge, ToeScrew,
+    Direction, EdgeSelection, Fastener, FastenerRule, Head, Height, Pin, PinKind, ShortEdge, Toe, ToeLength,
 };

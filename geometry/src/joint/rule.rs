@@ -43,42 +43,44 @@ pub enum Direction {
     Given(DVec3),
 }
 
-/// Length of the screws to be bought.
+/// Length of the fasteners to be bought.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ScrewLength {
-    /// This one, mm; where it would leave the wood, no screw is laid.
+pub enum ToeLength {
+    /// This one, mm; where it would leave the wood, none is laid.
     Given(f64),
     /// The longest trade length that the hole takes.
     Longest,
 }
 
-/// A screw from the face of one panel obliquely through the chamfer into the neighbour: for boards too thin to be
-/// drilled through the chamfer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ToeScrew {
-    /// The face from which it is driven: the one that lies up on the machine.
-    pub up: Up,
-    /// Angle between screw and face in the plane normal to the edge, radians, 0 to π/2.
-    pub angle: f64,
-    /// Diameter of the pilot hole, mm.
-    pub pilot: f64,
-    /// Wanted depth of the pilot hole in the neighbour, mm; made shallower where the cover asks for it.
-    pub bite: f64,
-    /// The least depth in the neighbour, mm.
-    pub least_bite: f64,
-    /// Diameter of the screw, mm.
-    pub diameter: f64,
-    /// Length of the screw.
-    pub length: ScrewLength,
-}
-
-/// What is put into a pair of matched holes.
+/// What is put into the holes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PinKind {
-    /// A screw with pilot holes in both chamfers.
+    /// A screw; the holes are pilots.
     Screw,
     /// A hard-wood dowel.
     Dowel,
+}
+
+/// A fastener driven from the face of one panel obliquely through the chamfer into the neighbour. A straight hole through
+/// both chamfers can be drilled from one side in both panels only where they fold towards that side; this one always.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Toe {
+    /// What it is.
+    pub kind: PinKind,
+    /// The face from which it is driven: the one that lies up on the machine.
+    pub up: Up,
+    /// Angle between fastener and face in the plane normal to the edge, radians, 0 to π/2.
+    pub angle: f64,
+    /// Diameter of the hole, mm.
+    pub hole: f64,
+    /// Wanted depth of the hole in the neighbour, mm; made shallower where the cover asks for it.
+    pub bite: f64,
+    /// The least depth in the neighbour, mm.
+    pub least_bite: f64,
+    /// Diameter of the fastener, mm.
+    pub diameter: f64,
+    /// Length of the fastener.
+    pub length: ToeLength,
 }
 
 /// A straight fastener in matched blind holes of both chamfers.
@@ -101,8 +103,8 @@ pub struct Pin {
 /// A kind of fastener with its measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fastener {
-    /// Oblique screw for thin boards.
-    ToeScrew(ToeScrew),
+    /// Obliquely from a face, also in thin boards.
+    Toe(Toe),
     /// Screw or dowel through the chamfer.
     Pin(Pin),
 }
@@ -173,16 +175,33 @@ impl FastenerRule {
     /// Toe screws on inner edges for thin boards: 3 mm pilots at 45° to the `up` face, by turns from both panels.
     #[must_use]
     pub fn toe_screws(up: Up) -> Self {
-        let screw = ToeScrew {
+        let screw = Toe {
+            kind: PinKind::Screw,
             up,
             angle: FRAC_PI_4,
-            pilot: 3.0,
+            hole: 3.0,
             bite: 20.0,
             least_bite: 2.0,
             diameter: 3.5,
-            length: ScrewLength::Longest,
+            length: ToeLength::Longest,
         };
-        Self { head: Head::Alternate, ..Self::new(Fastener::ToeScrew(screw)) }
+        Self { head: Head::Alternate, ..Self::new(Fastener::Toe(screw)) }
+    }
+
+    /// Dowels of 6 mm on inner edges, driven at 45° to the `up` face, by turns from both panels, as long as fits.
+    #[must_use]
+    pub fn toe_dowels(up: Up) -> Self {
+        let dowel = Toe {
+            kind: PinKind::Dowel,
+            up,
+            angle: FRAC_PI_4,
+            hole: 6.0,
+            bite: 25.0,
+            least_bite: 6.0,
+            diameter: 6.0,
+            length: ToeLength::Longest,
+        };
+        Self { head: Head::Alternate, cover: 2.0, ..Self::new(Fastener::Toe(dowel)) }
     }
 
     /// Screws 5 × 60 perpendicular to the chamfer with 3 mm pilots, 30 mm deep in both panels.
@@ -209,7 +228,7 @@ impl FastenerRule {
     #[must_use]
     pub fn hole(&self) -> f64 {
         match self.fastener {
-            Fastener::ToeScrew(t) => t.pilot,
+            Fastener::Toe(t) => t.hole,
             Fastener::Pin(p) => p.hole,
         }
     }
@@ -228,10 +247,10 @@ impl FastenerRule {
             ("least crossing angle", self.least_crossing, [0.0, FRAC_PI_2]),
         ];
         match self.fastener {
-            Fastener::ToeScrew(t) => {
-                lengths.extend([("bite", t.bite), ("least bite", t.least_bite), ("screw diameter", t.diameter)]);
-                if let ScrewLength::Given(length) = t.length {
-                    lengths.push(("screw length", length));
+            Fastener::Toe(t) => {
+                lengths.extend([("bite", t.bite), ("least bite", t.least_bite), ("diameter", t.diameter)]);
+                if let ToeLength::Given(length) = t.length {
+                    lengths.push(("length", length));
                 }
                 angles.push(("toe angle", t.angle, [0.0, FRAC_PI_2]));
             }

@@ -232,11 +232,11 @@ fn too_little_wood_is_named() {
     assert!(!with(largest + 1e-6).is_empty());
     // A screw too long for 10 mm.
     let mut toe = FastenerRule::toe_screws(Up::Front);
-    let Fastener::ToeScrew(screw) = &mut toe.fastener else { panic!() };
-    screw.length = ScrewLength::Given(40.0);
+    let Fastener::Toe(screw) = &mut toe.fastener else { panic!() };
+    screw.length = ToeLength::Given(40.0);
     let (laid, issues) = lay_fasteners(&flat(10.0), &toe).unwrap();
     assert!(laid.features.is_empty());
-    let JointIssue::ScrewTooLong { length: 40.0, longest, .. } = issues[0] else { panic!("{}", issues[0]) };
+    let JointIssue::TooLong { length: 40.0, longest, .. } = issues[0] else { panic!("{}", issues[0]) };
     assert!((11.0..13.0).contains(&longest), "{longest}");
     // A direction along the chamfer.
     let along = FastenerRule::dowels(Direction::Given(DVec3::Y));
