@@ -69,6 +69,13 @@ impl Adjacency {
         self.start[f as usize]..self.start[f as usize + 1]
     }
 
+    /// The face across edge `edge` of face `f`; `None` on the border. On an ordered grid edge 0 is the bottom, 1 the right,
+    /// 2 the top, 3 the left one. O(1).
+    #[must_use]
+    pub fn neighbour(&self, f: u32, edge: u32) -> Option<u32> {
+        self.twin(self.corners(f).start + edge).map(|t| self.face_of(t))
+    }
+
     /// The neighbours of face `f`, one per edge, in the order of its corners; `None` on the border.
     pub fn neighbours(&self, f: u32) -> impl Iterator<Item = Option<u32>> + '_ {
         self.corners(f).map(|c| self.twin(c).map(|t| self.face_of(t)))
@@ -203,6 +210,7 @@ mod tests {
         assert_eq!(a.border().count(), 6);
         assert_eq!(a.edges().count(), 7);
         assert_eq!(a.neighbours(0).collect::<Vec<_>>(), [None, Some(1), None, None]);
+        assert_eq!((a.neighbour(0, 1), a.neighbour(1, 3), a.neighbour(0, 0)), (Some(1), Some(0), None));
         assert_eq!(a.corners_at(4), [2, 7]);
         for c in 0..8 {
             assert_eq!(a.previous(a.next(c)), c);

@@ -66,7 +66,7 @@ pub struct Ordered {
     /// The mesh: addressed, faces by (patch, row, column), every loop of a grid starting at its bottom left corner v1,
     /// counter-clockwise: edge 0 bottom, 1 right, 2 top, 3 left.
     pub mesh: Mesh,
-    /// Its neighbours: that of face f at edge k is `adjacency.twin(mesh.face_start[f] + k)`.
+    /// Its neighbours; that of face f at edge k is `adjacency.neighbour(f, k)`.
     pub adjacency: Adjacency,
     /// Where the addresses come from.
     pub kind: OrderKind,

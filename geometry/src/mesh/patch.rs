@@ -103,7 +103,7 @@ pub(crate) struct Walked {
 }
 
 /// Walks the piece of `faces` quads from the face that has `start` as its v1; `None` when its faces are no full
-/// rectangle of rows from there. `visited` counts visits per face and is left at zero. O(faces).
+/// rectangle of rows from there. `visited` holds one `false` per face, before and after. O(faces).
 pub(crate) fn walk(
     adjacency: &Adjacency,
     bound: &[bool],

@@ -277,8 +277,8 @@ mod tests {
                     matrix[j][i] = v;
                 }
             }
-            for i in 0..n {
-                matrix[i][i] = 0.5 + matrix[i].iter().map(|v| v.abs()).sum::<f64>();
+            for (i, row) in matrix.iter_mut().enumerate() {
+                row[i] = 0.5 + row.iter().map(|v| v.abs()).sum::<f64>();
             }
             let entries: Vec<(u32, u32)> = (0..n as u32)
                 .flat_map(|i| (0..=i).map(move |j| (i, j)))

@@ -99,7 +99,7 @@ fn search(
     softness: Option<f64>,
 ) -> Option<f64> {
     let shift = |points: &mut [DVec3], step: &[DVec3], alpha: f64| {
-        for (&v, s) in energy.free().iter().zip(step) {
+        for (&v, s) in energy.vertices().iter().zip(step) {
             points[v as usize] += *s * alpha;
         }
     };

@@ -62,7 +62,7 @@ pub(crate) struct Energy {
     /// Weight of the barriers.
     wall: f64,
     /// Number of each mesh vertex among the free ones, or `FIXED`.
-    free: Vec<u32>,
+    number: Vec<u32>,
     /// Mesh vertex of each free one.
     vertex: Vec<u32>,
     origin: Vec<DVec3>,
@@ -127,7 +127,7 @@ impl Energy {
             fairness: weights.fairness,
             wall: weights.closeness + weights.fairness,
             reach: free.iter().map(|&v| weights.reach[v as usize]).collect(),
-            free: number,
+            number,
             vertex: free,
             origin: points.to_vec(),
             bends,
@@ -140,12 +140,12 @@ impl Energy {
 
     /// Number of a mesh vertex among the free ones.
     pub fn number(&self, vertex: u32) -> Option<usize> {
-        let i = self.free[vertex as usize];
+        let i = self.number[vertex as usize];
         (i != FIXED).then_some(i as usize)
     }
 
     /// Mesh vertices that may move.
-    pub fn free(&self) -> &[u32] {
+    pub fn vertices(&self) -> &[u32] {
         &self.vertex
     }
 
@@ -192,7 +192,7 @@ impl Energy {
         for (row, share) in self.bends.rows() {
             let pull = self.bend(points, row, share) * self.fairness;
             for (k, &v) in row.iter().enumerate() {
-                let (i, weight) = (self.free[v as usize], if k == 0 { 1.0 } else { -share });
+                let (i, weight) = (self.number[v as usize], if k == 0 { 1.0 } else { -share });
                 if i != FIXED {
                     self.gradient[i as usize] += pull * weight;
                     self.block[i as usize] += DMat3::from_diagonal(DVec3::splat(self.fairness * weight * weight));
@@ -211,7 +211,7 @@ impl Energy {
             let gradient = [by_before, -by_before - by_after, by_after];
             let curvature = self.wall * second;
             for (&v, &g) in corner.vertices.iter().zip(&gradient) {
-                let i = self.free[v as usize];
+                let i = self.number[v as usize];
                 if i != FIXED {
                     self.gradient[i as usize] += g * (self.wall * first);
                     self.block[i as usize] += outer(g, curvature);
@@ -238,7 +238,7 @@ impl Energy {
         }
         for (row, share) in self.bends.rows() {
             let weight = |k: usize| if k == 0 { 1.0 } else { -share };
-            let at = |v: u32| self.free[v as usize] as usize;
+            let at = |v: u32| self.number[v as usize] as usize;
             let mut bend = DVec3::ZERO;
             for (k, &v) in row.iter().enumerate() {
                 bend += vector.get(at(v)).map_or(DVec3::ZERO, |d| *d * weight(k));
@@ -251,7 +251,7 @@ impl Energy {
             }
         }
         for felt in &self.felt {
-            let numbers = felt.vertices.map(|v| self.free[v as usize]);
+            let numbers = felt.vertices.map(|v| self.number[v as usize]);
             let along =
                 |k: usize| if numbers[k] == FIXED { 0.0 } else { felt.gradient[k].dot(vector[numbers[k] as usize]) };
             let each = [along(0), along(1), along(2)];
@@ -268,4 +268,71 @@ impl Energy {
 
 fn outer(v: DVec3, scale: f64) -> DMat3 {
     DMat3::from_cols(v * (v.x * scale), v * (v.y * scale), v * (v.z * scale))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn the_gradient_is_the_difference_of_the_value_and_the_curvature_is_symmetric(
+            moves in prop::collection::vec((-0.5..0.5f64, -0.5..0.5f64, -0.5..0.5f64), 9),
+            closeness in 0.1..2.0f64,
+            fairness in 0.0..5.0f64,
+        ) {
+            let origin: Vec<DVec3> =
+                (0..9u32).map(|i| DVec3::new(f64::from(i % 3), f64::from(i / 3), 0.2 * f64::from(i * i % 5))).collect();
+            let faces: Vec<Vec<u32>> = [0, 1, 3, 4].map(|v| vec![v, v + 1, v + 4, v + 3]).to_vec();
+            let mut bends = Bends::default();
+            bends.push(&[4, 3, 5]);
+            bends.push(&[4, 1, 7]);
+            bends.push(&[1, 0, 2]);
+            bends.push(&[4, 0, 2, 6]);
+            let weights = Weights { closeness, fairness, reach: vec![1.0; 9] };
+            let free: Vec<u32> = (1..9).collect();
+            let mut energy = Energy::new(&origin, free.clone(), bends, &faces, &weights);
+            let mut points = origin;
+            free.iter().for_each(|&v| points[v as usize] += DVec3::from(moves[v as usize]));
+            // Steps never leave the walls.
+            if !energy.value(&points).is_finite() {
+                return Ok(());
+            }
+            energy.linearize(&points);
+            for (i, &v) in free.iter().enumerate() {
+                for axis in 0..3 {
+                    let at = |step: f64| {
+                        let mut moved = points.clone();
+                        moved[v as usize][axis] += step;
+                        energy.value(&moved)
+                    };
+                    let difference = (at(1e-6) - at(-1e-6)) / 2e-6;
+                    let gradient = energy.gradient()[i][axis];
+                    // Near a wall the energy is too steep for differences.
+                    if gradient.abs() < 100.0 {
+                        prop_assert!((difference - gradient).abs() < 1e-4, "{difference} {gradient}");
+                    }
+                }
+            }
+            let unit = |k: usize| {
+                let mut v = vec![DVec3::ZERO; 8];
+                v[k / 3][k % 3] = 1.0;
+                v
+            };
+            let mut columns = vec![vec![DVec3::ZERO; 8]; 24];
+            (0..24).for_each(|k| energy.curve(&unit(k), &mut columns[k]));
+            for j in 0..24 {
+                prop_assert!(columns[j][j / 3][j % 3] > 0.0);
+                for k in 0..j {
+                    let (a, b) = (columns[j][k / 3][k % 3], columns[k][j / 3][j % 3]);
+                    prop_assert!((a - b).abs() <= 1e-12 * (1.0 + a.abs()));
+                    if j / 3 == k / 3 {
+                        prop_assert!((a - energy.blocks()[j / 3].col(j % 3)[k % 3]).abs() <= 1e-9 * (1.0 + a.abs()));
+                    }
+                }
+            }
+        }
+    }
 }

@@ -153,7 +153,7 @@ fn shaken(n: u32, shake: impl Fn(u32, u32) -> bool) -> Mesh {
 
 #[test]
 fn what_is_fixed_stays_bit_by_bit() {
-    let border = |x: u32, y: u32| x % 10 == 0 || y % 10 == 0;
+    let border = |x: u32, y: u32| [x, y].iter().any(|k| *k == 0 || *k == 10);
     let kept = |x: u32, y: u32| border(x, y) || (x, y) == (5, 5) || (x, y) == (6, 5);
     let mesh = shaken(10, |x, y| !kept(x, y));
     let params = PlanarizeParams { border: Rim::Fixed, fixed: vec![60, 61], ..PlanarizeParams::default() };
@@ -333,6 +333,20 @@ proptest! {
         for (p, q) in here.mesh.points.iter().zip(&there.mesh.points) {
             prop_assert!(motion.transform_point3(*p).distance(*q) < 1e-4 * scale, "{p} {q}");
         }
+    }
+
+    #[test]
+    fn a_sum_of_two_polylines_is_planar_already(
+        a in prop::collection::vec((-200.0..200.0f64, -200.0..200.0f64, -200.0..200.0f64), 7),
+        b in prop::collection::vec((-200.0..200.0f64, -200.0..200.0f64, -200.0..200.0f64), 7),
+    ) {
+        let index = |t: f64| (3.0 * t + 3.0).round() as usize;
+        let mesh = grid(6, |u, v| {
+            DVec3::new(900.0 * u, 900.0 * v, 0.0) + DVec3::from(a[index(u)]) + DVec3::from(b[index(v)])
+        });
+        let result = run(&mesh, &PlanarizeParams { threshold: 1e-6, ..PlanarizeParams::default() });
+        prop_assert_eq!((&result.mesh, result.iterations, result.moved_max), (&mesh, 0, 0.0));
+        prop_assert!(result.reached);
     }
 
     #[test]

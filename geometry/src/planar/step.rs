@@ -24,7 +24,7 @@ pub(crate) struct StepSolver {
 impl StepSolver {
     /// Prepares for these equations; `points` only guide the order of elimination.
     pub fn new(flat: &Flatness, energy: &Energy, points: &[DVec3]) -> Self {
-        let (rows, free) = (flat.value.len(), energy.free().len());
+        let (rows, free) = (flat.value.len(), energy.vertices().len());
         let mut at_start = vec![0u32; free + 1];
         let mut centres = Vec::with_capacity(rows);
         for r in 0..rows {
