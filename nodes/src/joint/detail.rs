@@ -1,11 +1,12 @@
 //! `detail`: fasteners along edges.
 
+use crate::post::MachineFile;
 use crate::value::{V, Vector};
 use tenon_engine::{Call, Fail, NodeType, Port, Text, Unit};
 use tenon_geometry::board::Up;
 use tenon_geometry::joint::{
-    Direction, EdgeSelection, Fastener, FastenerError, FastenerRule, FeatureSet, Head, Height, JointIssue, Pin, PinKind,
-    ScrewLength, ShortEdge, ToeScrew, lay_fasteners,
+    Direction, EdgeSelection, Fastener, FastenerError, FastenerRule, FeatureSet, Head, Height, JointIssue, OutOfReach, Pin,
+    PinKind, ReachRule, ShortEdge, Toe, ToeLength, check_reach, lay_fasteners,
 };
 use tenon_geometry::panel::PanelSet;
 
@@ -22,10 +23,12 @@ pub(super) fn node() -> NodeType {
         )
         .keywords(&["screw", "toe screw", "dowel", "fastener", "joint", "holes", "hardware"])
         .input(Port::item::<V<PanelSet>>("panels").doc("The panels."))
-        .input(Port::item::<Text>("kind").choices(&["toe screw", "screw", "dowel"]).default("toe screw").doc(
-            "Toe screw: from one face obliquely through the chamfer, for thin panels. Screw: into both chamfers, for thick \
-             ones. Dowel: a blind hole in both chamfers.",
+        .input(Port::item::<Text>("kind").choices(&["toe screw", "toe dowel", "screw", "dowel"]).default("toe screw").doc(
+            "Toe screw, toe dowel: from one face obliquely through the chamfer into the neighbour, also in thin panels. \
+             Screw, dowel: straight through both chamfers, for thick panels.",
         ))
+        .input(Port::item::<V<MachineFile>>("machine").optional().doc("The machine that drills; without it reach is not checked here (the proof does)."))
+        .input(Port::item::<Text>("out_of_reach").choices(&["refuse", "by hand"]).default("refuse").doc("What is done with holes that the machine cannot reach: an error, or a line on the list of hand work."))
         .input(Port::item::<Text>("edges").choices(&["all", "inner", "border", "along rows", "across rows"]).default("inner").doc("Which edges."))
         .input(Port::item::<Text>("up").choices(&["front", "back"]).default("back").doc("The face that lies up on the machine; the same as for map. Toe screws are driven from it."))
         .input(Port::item::<Text>("head").choices(&["lower address", "higher address", "alternate"]).default("alternate").doc("Which of the two panels is the first: it holds the head."))
@@ -39,8 +42,9 @@ pub(super) fn node() -> NodeType {
         .input(Port::item::<Vector>("vector").default([0.0, 0.0, 1.0]).doc("The given direction, in the model."))
         .input(length("hole", 3.0, "Diameter of the holes."))
         .input(length("diameter", 3.5, "Diameter of the fastener."))
-        .input(length("length", 0.0, "Length of the fastener; 0: the longest trade length that fits (toe screws)."))
-        .input(length("depth", 20.0, "Depth of the hole in the second panel (toe screws), or in both; toe screws stop short of the far face by the cover."))
+        .input(length("length", 0.0, "Length of the fastener; 0: the longest trade length that fits (toe screws and toe dowels)."))
+        .input(length("depth", 20.0, "Depth of the hole in the second panel (toe screws and toe dowels, which stop short of the far face by the cover), or in both."))
+        .input(length("least_depth", 2.0, "Toe screws and toe dowels: least depth of the hole in the second panel."))
         .input(length("cover", 1.0, "Least wood between a hole and any face that it does not go through."))
         .output(Port::item::<V<FeatureSet>>("features").doc("Holes on both panels of every edge, and the hardware."))
         .output(Port::item::<i64>("count").unit(Unit::Count).doc("Number of fasteners."))
@@ -49,10 +53,23 @@ pub(super) fn node() -> NodeType {
 
 fn run(c: &mut Call) -> Result<(), Fail> {
     let rule = rule(c)?;
-    let (features, issues) =
-        lay_fasteners(c.item::<V<PanelSet>>("panels")?, &rule).map_err(|e| rule_fail(&e))?;
+    let panels = c.item::<V<PanelSet>>("panels")?;
+    let (mut features, issues) = lay_fasteners(panels, &rule).map_err(|e| rule_fail(&e))?;
     for issue in &issues {
         if issue.is_fatal() { c.report(issue_fail(issue)) } else { c.warn(issue_fail(issue)) }
+    }
+    if let Some(machine) = c.optional::<V<MachineFile>>("machine") {
+        let by_hand = c.text("out_of_reach")? == "by hand";
+        let reach = ReachRule {
+            out_of_reach: if by_hand { OutOfReach::ByHand } else { OutOfReach::Refuse },
+            ..ReachRule::new(up(c)?)
+        };
+        let (reached, issues) = check_reach(panels, features, &machine.machine, &reach);
+        features = reached;
+        for issue in &issues {
+            let fail = Fail::new("feature-out-of-reach", issue.to_string()).port("machine").item(issue.panel as usize);
+            if issue.by_hand { c.warn(fail) } else { c.report(fail) }
+        }
     }
     c.set("count", features.hardware.iter().map(|h| h.count as i64).sum::<i64>());
     c.set("features", V::new(features));
@@ -60,21 +77,22 @@ fn run(c: &mut Call) -> Result<(), Fail> {
 }
 
 fn rule(c: &Call) -> Result<FastenerRule, Fail> {
-    let up = if c.text("up")? == "front" { Up::Front } else { Up::Back };
+    let up = up(c)?;
     let angle = c.number("angle")?.to_radians();
     let (hole, diameter, length, depth) = (c.number("hole")?, c.number("diameter")?, c.number("length")?, c.number("depth")?);
     let kind = c.text("kind")?;
-    let fastener = if kind == "toe screw" {
-        let length = if length > 0.0 { ScrewLength::Given(length) } else { ScrewLength::Longest };
-        Fastener::ToeScrew(ToeScrew { up, angle, pilot: hole, bite: depth, least_bite: 2.0, diameter, length })
+    let pin_kind = if kind.ends_with("dowel") { PinKind::Dowel } else { PinKind::Screw };
+    let fastener = if kind.starts_with("toe") {
+        let length = if length > 0.0 { ToeLength::Given(length) } else { ToeLength::Longest };
+        let least_bite = c.number("least_depth")?;
+        Fastener::Toe(Toe { kind: pin_kind, up, angle, hole, bite: depth, least_bite, diameter, length })
     } else {
         let direction = match c.text("direction")? {
             "section" => Direction::Section(angle),
             "given" => Direction::Given(c.item::<Vector>("vector")?.0),
             _ => Direction::ChamferNormal,
         };
-        let kind = if kind == "dowel" { PinKind::Dowel } else { PinKind::Screw };
-        Fastener::Pin(Pin { kind, hole, depth: [depth; 2], direction, diameter, length })
+        Fastener::Pin(Pin { kind: pin_kind, hole, depth: [depth; 2], direction, diameter, length })
     };
     let height = c.number("height")?;
     Ok(FastenerRule {
@@ -101,12 +119,16 @@ fn rule(c: &Call) -> Result<FastenerRule, Fail> {
     })
 }
 
+fn up(c: &Call) -> Result<Up, Fail> {
+    Ok(if c.text("up")? == "front" { Up::Front } else { Up::Back })
+}
+
 fn issue_fail(issue: &JointIssue) -> Fail {
     let code = match issue {
         JointIssue::EdgeTooShort { .. } => "edge-too-short",
         JointIssue::ThinWood { .. } => "hole-thin-wood",
         JointIssue::TooDeep { .. } => "hole-too-deep",
-        JointIssue::ScrewTooLong { .. } => "screw-too-long",
+        JointIssue::TooLong { .. } => "fastener-too-long",
         JointIssue::AlongChamfer { .. } => "fastener-along-chamfer",
         JointIssue::HolesMeet { .. } => "holes-meet",
     };
