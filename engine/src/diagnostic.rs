@@ -216,7 +216,8 @@ impl std::fmt::Display for Fail {
 impl std::error::Error for Fail {}
 
 /// The candidate nearest to `name` if it is near enough to be a slip of the pen. O(candidates × length²).
-pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+#[must_use]
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let short: Vec<char> = name.chars().take(64).flat_map(char::to_lowercase).collect();
     let limit = (short.len() / 3).max(1) + 1;
     candidates

@@ -11,7 +11,7 @@ mod registry;
 mod value;
 
 pub use call::{Call, Monitor};
-pub use diagnostic::{Diagnostic, Fail, Severity};
+pub use diagnostic::{Diagnostic, Fail, Severity, nearest};
 pub use document::{
     DEFAULT_SIZE_LIMIT, DEPTH_LIMIT, Document, InterfaceInput, InterfaceOutput, Node, NodeState, TreeOp, Wires,
 };

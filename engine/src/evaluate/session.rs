@@ -261,6 +261,14 @@ impl Session {
         Err(Diagnostic::error("unknown-name", format!("the graph has no output \"{name}\"")).maybe_hint(hint))
     }
 
+    /// Whether `name` is an interface output or the `node.port` of an output.
+    ///
+    /// # Errors
+    /// Says what is not known and which name comes nearest.
+    pub fn knows(&self, name: &str) -> Result<(), Diagnostic> {
+        self.find_value(name).map(|_| ())
+    }
+
     /// The value of an interface output or of `node.port` as the last evaluation left it; `None` if it was not asked for, failed
     /// or was dropped from memory.
     #[must_use]
