@@ -1,1 +1,76 @@
-fn main() {}
+//! The program `tenon`: runs, checks and formats graphs, and describes nodes.
+//!
+//! Everything that another host of the engine would need as well lives in the engine; here are arguments, files,
+//! words and exit codes.
+
+mod args;
+mod check;
+mod files;
+mod fmt;
+mod graph;
+mod interrupt;
+mod nodes;
+mod output;
+mod progress;
+mod run;
+mod words;
+
+use args::{Command, CommandLine, RunArgs};
+use clap::Parser;
+use std::process::ExitCode;
+use words::{Voice, Wrong};
+
+/// How a call that was right ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// All done.
+    Done,
+    /// The graph has errors, or files are not as they should be.
+    Errors,
+    /// Ctrl-C.
+    Interrupted,
+}
+
+/// The graph that runs when nothing is said.
+const DEFAULT_GRAPH: &str = "graphs/shell-256";
+
+fn main() -> ExitCode {
+    let line = CommandLine::parse();
+    let json = match &line.command {
+        Some(Command::Run(a)) => a.json,
+        Some(Command::Check(a)) => a.json,
+        Some(Command::Nodes(a)) => a.json,
+        Some(Command::Fmt(_)) | None => false,
+    };
+    let result = match line.command {
+        Some(Command::Run(a)) => run::run(&a),
+        Some(Command::Check(a)) => check::check(&a),
+        Some(Command::Nodes(a)) => nodes::nodes(&a),
+        Some(Command::Fmt(a)) => fmt::fmt(&a),
+        None => run_default(),
+    };
+    match result {
+        Ok(End::Done) => ExitCode::SUCCESS,
+        Ok(End::Errors) => ExitCode::from(1),
+        Ok(End::Interrupted) => ExitCode::from(interrupt::INTERRUPTED),
+        Err(wrong) => {
+            if json {
+                // The code says it all if this cannot be printed either.
+                let _ = words::print_json(&wrong.to_json());
+            }
+            Voice::new().wrong(&wrong);
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The main job: the default graph into `out/`.
+fn run_default() -> Result<End, Wrong> {
+    if !std::path::Path::new(DEFAULT_GRAPH).exists() {
+        let here = std::env::current_dir().map(|d| d.display().to_string()).unwrap_or_default();
+        return Err(Wrong::new("no-graph", format!("the default graph {DEFAULT_GRAPH} is not in {here}")).hint(
+            "start tenon in the folder of its source, or name a graph: tenon run GRAPH (tenon --help says more)",
+        ));
+    }
+    run::run(&RunArgs { graph: DEFAULT_GRAPH.into(), out: Some("out".into()), ..RunArgs::default() })
+}

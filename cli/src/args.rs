@@ -1,0 +1,97 @@
+//! What can be said on the command line: the sub-commands and their options, with the words of `--help`.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// The whole command line.
+#[derive(Debug, Parser)]
+#[command(
+    name = "tenon",
+    version,
+    about = "Runs the digital chain of free-form timber: from curves to proven machine code.",
+    long_about = "Runs the digital chain of free-form timber as one dataflow graph: from curves to proven machine \
+                  code.\n\nWithout a command it runs the graph graphs/shell-256 of the current folder into out/.",
+    after_help = "Exit codes: 0 done, 1 the graph has errors, 2 the call or a file is wrong, 130 interrupted."
+)]
+pub struct CommandLine {
+    /// What to do; nothing said means the default graph.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// The sub-commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Evaluate a graph and write what it makes
+    Run(RunArgs),
+    /// Read a graph and say what is wrong with it, without evaluating it
+    Check(CheckArgs),
+    /// List the node types, or describe one
+    Nodes(NodesArgs),
+    /// Rewrite graph files in the canonical form
+    Fmt(FmtArgs),
+}
+
+/// Options of `tenon run`.
+#[derive(Clone, Debug, Default, Args)]
+pub struct RunArgs {
+    /// A graph file, or a folder that holds exactly one *.tenon.json
+    pub graph: PathBuf,
+    /// Give an input a value; NAME is an interface input or node.port, VALUE is JSON or plain text
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Print a value as JSON, or write it to FILE; NAME is an interface output or node.port.
+    /// Without --out only what is asked for here is evaluated
+    #[arg(long, value_name = "NAME[=FILE]")]
+    pub get: Vec<String>,
+    /// Write the graph's files into this folder (made if it is not there)
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Write diagnostics, timings, digests and sizes as JSON
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Threads to use; 0 means all there are
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub threads: u16,
+    /// Print how long each node took
+    #[arg(long)]
+    pub profile: bool,
+    /// Give programs their final names although their proof failed or was skipped
+    #[arg(long)]
+    pub unproven: bool,
+    /// Print the result as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `tenon check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// A graph file, or a folder that holds exactly one *.tenon.json
+    pub graph: PathBuf,
+    /// Print the diagnostics as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `tenon nodes`.
+#[derive(Debug, Args)]
+pub struct NodesArgs {
+    /// Describe only this node type
+    #[arg(value_name = "TYPE")]
+    pub node_type: Option<String>,
+    /// Print the descriptions as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `tenon fmt`.
+#[derive(Debug, Args)]
+pub struct FmtArgs {
+    /// Graph files, or folders that hold exactly one *.tenon.json
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Change nothing; name the files that are not in canonical form and exit with 1
+    #[arg(long)]
+    pub check: bool,
+}

@@ -1,0 +1,29 @@
+//! `tenon check`: reads a graph and says what is wrong with it, without evaluating it.
+
+use crate::args::CheckArgs;
+use crate::words::{Voice, Wrong, print, print_json, to_json};
+use crate::{End, graph};
+use tenon_engine::Severity;
+
+/// Validates a graph against the registry of built-in nodes.
+pub fn check(args: &CheckArgs) -> Result<End, Wrong> {
+    let (file, document) = graph::load(&args.graph)?;
+    let diagnostics = document.validate(&tenon_nodes::registry());
+    let errors = diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
+    Voice::new().diagnostics(&diagnostics);
+    if args.json {
+        print_json(&serde_json::json!({
+            "ok": errors == 0,
+            "graph": file.display().to_string(),
+            "diagnostics": to_json(&diagnostics),
+        }))?;
+    } else {
+        let found = match errors {
+            0 => "no errors".to_owned(),
+            1 => "1 error".to_owned(),
+            n => format!("{n} errors"),
+        };
+        print(&format!("{}: {found}\n", file.display()))?;
+    }
+    Ok(if errors == 0 { End::Done } else { End::Errors })
+}

@@ -1,0 +1,175 @@
+//! The files that a graph makes: where they go, and which of them may have their final names.
+
+use crate::output::{self, Staged, WriteError};
+use crate::words::Wrong;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use tenon_engine::{Diagnostic, File};
+
+/// Ending of a file that may not have its final name.
+const WITHHELD: &str = ".unproven";
+
+/// Ending of an earlier run's file whose successor may not have its final name.
+const STALE: &str = ".stale";
+
+/// A file that a node has made.
+#[derive(Debug)]
+pub struct Made {
+    /// `node.port` of the writer.
+    pub from: String,
+    /// What it made.
+    pub file: File,
+    /// Its final name in the output folder, if there is one.
+    target: Option<PathBuf>,
+    /// Whether it may not have that name.
+    pub withheld: bool,
+}
+
+impl Made {
+    /// Where it is written.
+    pub fn path(&self) -> Option<PathBuf> {
+        let target = self.target.clone()?;
+        Some(if self.withheld { with_ending(&target, WITHHELD) } else { target })
+    }
+
+    /// Why it does not get its final name, if it does not.
+    pub fn diagnostic(&self) -> Option<Diagnostic> {
+        let why = self.file.withheld.as_deref().filter(|_| self.withheld)?;
+        let (node, port) = self.from.split_once('.').unwrap_or((&self.from, ""));
+        let message = format!("{} does not get its final name: {why}", self.file.name);
+        let hint = "--unproven gives it its name all the same";
+        Some(Diagnostic::error("withheld", message).at(node).port(port).hint(hint))
+    }
+}
+
+fn with_ending(path: &Path, ending: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(ending);
+    name.into()
+}
+
+/// Stages the writers' files in the folder `out`, withheld ones under a name that says so, unless the user insists.
+///
+/// # Errors
+/// A name that leads out of the folder, two files of one name, a folder that cannot be written.
+pub fn stage(
+    staged: &mut Staged,
+    files: Vec<(String, File)>,
+    out: Option<&Path>,
+    insist: bool,
+) -> Result<Vec<Made>, Wrong> {
+    let mut taken: HashMap<PathBuf, String> = HashMap::new();
+    let mut all = Vec::with_capacity(files.len());
+    for (from, file) in files {
+        let withheld = file.withheld.is_some() && !insist;
+        let target = out.map(|dir| output::inside(dir, &file.name)).transpose()?;
+        let made = Made { from, file, target, withheld };
+        if let Some(path) = made.path() {
+            if let Some(other) = taken.insert(path.clone(), made.from.clone()) {
+                let message = format!("{other} and {} both write {}", made.from, path.display());
+                return Err(Wrong::new("same-file-name", message).hint("give one of them another name"));
+            }
+            staged.add(&path, &made.file.bytes)?;
+        }
+        all.push(made);
+    }
+    Ok(all)
+}
+
+/// Gives everything staged its name. A withheld program's earlier version was proven for another design and must not
+/// lie there as if it belonged here: it is renamed. A file that has its final name needs no unproven one beside it.
+pub fn commit(staged: Staged, made: &[Made]) -> Result<(), Wrong> {
+    for made in made {
+        match &made.target {
+            Some(target) if made.withheld && target.is_file() => {
+                let io = |error| WriteError::Io { path: target.clone(), error };
+                std::fs::rename(target, with_ending(target, STALE)).map_err(io)?;
+            }
+            Some(_) | None => {}
+        }
+    }
+    staged.commit()?;
+    for target in made.iter().filter(|m| !m.withheld).filter_map(|m| m.target.as_ref()) {
+        // Usually there is none.
+        let _ = std::fs::remove_file(with_ending(target, WITHHELD));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn folder(name: &str) -> PathBuf {
+        let dir = std::env::temp_dir().join(format!("tenon-files-{}-{name}", std::process::id()));
+        let _ = fs::remove_dir_all(&dir);
+        fs::create_dir_all(&dir).unwrap();
+        dir
+    }
+
+    fn program(text: &str, withheld: Option<&str>) -> Vec<(String, File)> {
+        let file = File { name: "b.ngc".into(), bytes: text.as_bytes().into(), withheld: withheld.map(Into::into) };
+        vec![("gcode.files".to_owned(), file)]
+    }
+
+    fn write(dir: &Path, files: Vec<(String, File)>, insist: bool) -> Vec<Made> {
+        let mut staged = Staged::default();
+        let made = stage(&mut staged, files, Some(dir), insist).unwrap();
+        commit(staged, &made).unwrap();
+        made
+    }
+
+    fn names(dir: &Path) -> Vec<String> {
+        let mut names: Vec<String> =
+            fs::read_dir(dir).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_withheld_program_has_another_name_and_says_why() {
+        let dir = folder("withheld");
+        let made = write(&dir, program("G0", Some("part 1.2 is gouged by 0.3 mm")), false);
+        assert_eq!(names(&dir), ["b.ngc.unproven"]);
+        let diagnostic = made[0].diagnostic().unwrap();
+        assert_eq!((diagnostic.node.as_deref(), diagnostic.port.as_deref()), (Some("gcode"), Some("files")));
+        assert!(diagnostic.message.contains("gouged by 0.3 mm"));
+        // An earlier unproven one goes when the program has been proven.
+        let made = write(&dir, program("G1", None), false);
+        assert_eq!(names(&dir), ["b.ngc"]);
+        assert!(made[0].diagnostic().is_none());
+        fs::remove_dir_all(&dir).unwrap();
+    }
+
+    #[test]
+    fn who_insists_gets_the_name() {
+        let dir = folder("insist");
+        let made = write(&dir, program("G0", Some("no proof")), true);
+        assert_eq!(names(&dir), ["b.ngc"]);
+        assert!(made[0].diagnostic().is_none());
+        fs::remove_dir_all(&dir).unwrap();
+    }
+
+    #[test]
+    fn an_earlier_proven_program_does_not_pass_for_the_new_one() {
+        let dir = folder("stale");
+        write(&dir, program("old", None), false);
+        write(&dir, program("new", Some("no proof")), false);
+        assert_eq!(names(&dir), ["b.ngc.stale", "b.ngc.unproven"]);
+        assert_eq!(fs::read(dir.join("b.ngc.stale")).unwrap(), b"old");
+        fs::remove_dir_all(&dir).unwrap();
+    }
+
+    #[test]
+    fn two_files_of_one_name_are_refused_and_nothing_is_written() {
+        let dir = folder("twice");
+        let twice = [program("a", None), program("b", None)].concat();
+        let mut staged = Staged::default();
+        let wrong = stage(&mut staged, twice, Some(&dir), false).unwrap_err();
+        assert_eq!(wrong.code, "same-file-name");
+        drop(staged);
+        assert!(names(&dir).is_empty());
+        fs::remove_dir_all(&dir).unwrap();
+    }
+}

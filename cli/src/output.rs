@@ -1,0 +1,186 @@
+//! Files that the program writes: whole or not at all, and never outside the folder they belong to.
+//!
+//! A file is written under a temporary name beside its final one, synced, and renamed. [`Staged`] keeps several files at
+//! that stage so that none gets its name unless all could be written.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Component, Path, PathBuf};
+
+/// Why a file could not be written.
+#[derive(Debug)]
+pub enum WriteError {
+    /// The system refused.
+    Io {
+        /// The path that was to be written.
+        path: PathBuf,
+        /// The system's reason.
+        error: io::Error,
+    },
+    /// The name leads out of the output folder.
+    Escapes {
+        /// The name as the graph gave it.
+        name: String,
+    },
+}
+
+impl std::fmt::Display for WriteError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Io { path, error } => write!(f, "{} cannot be written: {error}", path.display()),
+            Self::Escapes { name } => {
+                write!(f, "the file name \"{name}\" is refused: it does not stay inside the output folder")
+            }
+        }
+    }
+}
+
+fn io_at(path: &Path) -> impl FnOnce(io::Error) -> WriteError + '_ {
+    |error| WriteError::Io { path: path.to_owned(), error }
+}
+
+/// Files written under temporary names, waiting to be given their final ones. What is not committed is removed.
+#[derive(Default)]
+pub struct Staged {
+    files: Vec<(PathBuf, PathBuf)>,
+}
+
+impl Staged {
+    /// Writes and syncs `bytes` beside `target` under a temporary name; makes the folders above it.
+    pub fn add(&mut self, target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+        if target.is_dir() {
+            return Err(io_at(target)(io::ErrorKind::IsADirectory.into()));
+        }
+        let folder = match target.parent() {
+            Some(p) if !p.as_os_str().is_empty() => p,
+            _ => Path::new("."),
+        };
+        fs::create_dir_all(folder).map_err(io_at(target))?;
+        let temporary = folder.join(format!(".tenon-{}-{}.tmp", std::process::id(), self.files.len()));
+        let write = || {
+            let mut file = File::create(&temporary)?;
+            file.write_all(bytes)?;
+            file.sync_all()
+        };
+        if let Err(error) = write() {
+            let _ = fs::remove_file(&temporary);
+            return Err(io_at(target)(error));
+        }
+        self.files.push((temporary, target.to_owned()));
+        Ok(())
+    }
+
+    /// Gives all files their final names, in the order in which they were added.
+    pub fn commit(mut self) -> Result<(), WriteError> {
+        for (temporary, target) in &self.files {
+            fs::rename(temporary, target).map_err(io_at(target))?;
+            // The rename itself is durable once the folder is synced; systems that cannot sync folders say so here.
+            if let Some(folder) = target.parent().filter(|p| !p.as_os_str().is_empty()) {
+                let _ = File::open(folder).and_then(|f| f.sync_all());
+            }
+        }
+        self.files.clear();
+        Ok(())
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        for (temporary, _) in &self.files {
+            let _ = fs::remove_file(temporary);
+        }
+    }
+}
+
+/// Writes one file whole or not at all.
+pub fn write_whole(target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    let mut staged = Staged::default();
+    staged.add(target, bytes)?;
+    staged.commit()
+}
+
+/// Makes the folder `dir` if it is not there and tries that files can be made in it, so that a long run does not end
+/// at a folder that cannot be written.
+pub fn prepare_folder(dir: &Path) -> Result<(), WriteError> {
+    fs::create_dir_all(dir).map_err(io_at(dir))?;
+    let probe = dir.join(format!(".tenon-{}-probe.tmp", std::process::id()));
+    File::create(&probe).map_err(io_at(dir))?;
+    fs::remove_file(&probe).map_err(io_at(dir))
+}
+
+/// The path of the file `name` inside the folder `dir`. Absolute names, `..` and empty names are refused, and so is a
+/// folder on the way that is a link out of `dir`.
+pub fn inside(dir: &Path, name: &str) -> Result<PathBuf, WriteError> {
+    let escapes = || WriteError::Escapes { name: name.to_owned() };
+    let relative = Path::new(name);
+    // Backslashes and colons are separators and drives on other systems: the same graph must be refused everywhere.
+    let plain = !name.is_empty()
+        && !name.ends_with('/')
+        && !name.chars().any(|c| c.is_control() || c == '\\' || c == ':')
+        && relative.components().all(|c| matches!(c, Component::Normal(_)));
+    if !plain {
+        return Err(escapes());
+    }
+    let target = dir.join(relative);
+    let root = fs::canonicalize(dir).map_err(io_at(dir))?;
+    let mut existing = target.parent();
+    while let Some(folder) = existing {
+        match fs::canonicalize(folder) {
+            Ok(real) if real.starts_with(&root) => return Ok(target),
+            Ok(_) => return Err(escapes()),
+            // Not there yet: what is above it decides.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => existing = folder.parent(),
+            Err(error) => return Err(io_at(&target)(error)),
+        }
+    }
+    Err(escapes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(name: &str) -> PathBuf {
+        let dir = std::env::temp_dir().join(format!("tenon-output-{}-{name}", std::process::id()));
+        let _ = fs::remove_dir_all(&dir);
+        fs::create_dir_all(&dir).unwrap();
+        dir
+    }
+
+    #[test]
+    fn names_that_leave_the_folder_are_refused() {
+        let dir = folder("escape");
+        for name in ["", "/etc/x", "../x", "a/../../x", "./x", "a\\b", "C:x", "a\nb", "a/", "a/.."] {
+            assert!(matches!(inside(&dir, name), Err(WriteError::Escapes { .. })), "{name:?}");
+        }
+        assert_eq!(inside(&dir, "a/b.ngc").unwrap(), dir.join("a/b.ngc"));
+        assert_eq!(inside(&dir, "..a").unwrap(), dir.join("..a"));
+        fs::remove_dir_all(&dir).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_out_of_the_folder_is_not_followed() {
+        let dir = folder("link");
+        std::os::unix::fs::symlink(std::env::temp_dir(), dir.join("out")).unwrap();
+        assert!(matches!(inside(&dir, "out/x"), Err(WriteError::Escapes { .. })));
+        assert!(matches!(inside(&dir, "out/deeper/x"), Err(WriteError::Escapes { .. })));
+        fs::remove_dir_all(&dir).unwrap();
+    }
+
+    #[test]
+    fn what_is_not_committed_leaves_nothing_behind() {
+        let dir = folder("staged");
+        fs::write(dir.join("a"), "old").unwrap();
+        let mut staged = Staged::default();
+        staged.add(&dir.join("a"), b"new").unwrap();
+        assert!(staged.add(&dir.join("a/b"), b"below a file").is_err());
+        drop(staged);
+        assert_eq!(fs::read(dir.join("a")).unwrap(), b"old");
+        assert_eq!(fs::read_dir(&dir).unwrap().count(), 1);
+        write_whole(&dir.join("a"), b"new").unwrap();
+        assert_eq!(fs::read(dir.join("a")).unwrap(), b"new");
+        assert_eq!(fs::read_dir(&dir).unwrap().count(), 1);
+        fs::remove_dir_all(&dir).unwrap();
+    }
+}

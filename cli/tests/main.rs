@@ -1,0 +1,11 @@
+//! Behaviour of the program `tenon` as a user meets it: the real binary, real files, exit codes, words.
+
+mod call;
+mod check;
+mod fmt;
+mod get;
+mod nodes;
+mod report;
+mod set;
+mod tenon;
+mod write;
