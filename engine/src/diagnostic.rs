@@ -37,13 +37,13 @@ pub struct Diagnostic {
     /// A sentence for people.
     pub message: String,
     /// Id of the node in the document.
-    pub node: Option<String>,
+    pub node: Option<Box<str>>,
     /// Port of that node.
-    pub port: Option<String>,
+    pub port: Option<Box<str>>,
     /// Index of the item.
     pub item: Option<usize>,
     /// What would fix it.
-    pub hint: Option<String>,
+    pub hint: Option<Box<str>>,
 }
 
 impl Diagnostic {
@@ -71,28 +71,28 @@ impl Diagnostic {
     /// Names the node.
     #[must_use]
     pub fn at(mut self, node: impl Into<String>) -> Self {
-        self.node = Some(node.into());
+        self.node = Some(node.into().into_boxed_str());
         self
     }
 
     /// Names the port.
     #[must_use]
     pub fn port(mut self, port: impl Into<String>) -> Self {
-        self.port = Some(port.into());
+        self.port = Some(port.into().into_boxed_str());
         self
     }
 
     /// Says what would fix it.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
-        self.hint = Some(hint.into());
+        self.hint = Some(hint.into().into_boxed_str());
         self
     }
 
     /// Says what would fix it, if that is known.
     #[must_use]
     pub(crate) fn maybe_hint(mut self, hint: Option<String>) -> Self {
-        self.hint = hint.or(self.hint);
+        self.hint = hint.map(Into::into).or(self.hint);
         self
     }
 }
@@ -129,9 +129,9 @@ pub struct Fail(Box<Body>);
 struct Body {
     code: Cow<'static, str>,
     message: String,
-    port: Option<String>,
+    port: Option<Box<str>>,
     item: Option<usize>,
-    hint: Option<String>,
+    hint: Option<Box<str>>,
 }
 
 pub(crate) const CANCELLED: &str = "cancelled";
@@ -158,7 +158,7 @@ impl Fail {
     /// Names the port.
     #[must_use]
     pub fn port(mut self, port: impl Into<String>) -> Self {
-        self.0.port = Some(port.into());
+        self.0.port = Some(port.into().into_boxed_str());
         self
     }
 
@@ -172,7 +172,7 @@ impl Fail {
     /// Says what would fix it.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
-        self.0.hint = Some(hint.into());
+        self.0.hint = Some(hint.into().into_boxed_str());
         self
     }
 
@@ -199,7 +199,7 @@ impl Fail {
             severity,
             code: b.code.clone(),
             message: b.message.clone(),
-            node: Some(node.to_owned()),
+            node: Some(node.into()),
             port: b.port.clone(),
             item: b.item,
             hint: b.hint.clone(),

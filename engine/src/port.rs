@@ -88,13 +88,16 @@ impl Unit {
     }
 }
 
+/// A column, or which item is wrong and why.
+type Parsed = Result<Column, (usize, String)>;
+
 /// The type of the items at a port.
 #[derive(Clone, Copy)]
 pub(crate) struct ItemType {
     pub name: &'static str,
     /// `None`: any type.
     pub id: Option<TypeId>,
-    parse: fn(&[Option<Json>]) -> Result<Column, (usize, String)>,
+    parse: fn(&[Option<Json>]) -> Parsed,
     pub empty: fn() -> Column,
 }
 
@@ -117,13 +120,13 @@ impl ItemType {
     }
 }
 
-fn parse_items<T: Item>(items: &[Option<Json>]) -> Result<Column, (usize, String)> {
+fn parse_items<T: Item>(items: &[Option<Json>]) -> Parsed {
     let parsed: Result<Vec<Option<T>>, _> =
         items.iter().enumerate().map(|(i, j)| j.as_ref().map(T::from_json).transpose().map_err(|e| (i, e))).collect();
     parsed.map(Column::with_gaps)
 }
 
-fn parse_any(items: &[Option<Json>]) -> Result<Column, (usize, String)> {
+fn parse_any(items: &[Option<Json>]) -> Parsed {
     match items.iter().flatten().next() {
         Some(Json::String(_)) => parse_items::<Text>(items),
         Some(Json::Bool(_)) => parse_items::<bool>(items),
@@ -328,7 +331,7 @@ impl Port {
         Ok(Tree::column(column))
     }
 
-    fn parse(&self, items: &[Option<Json>]) -> Result<Column, (usize, String)> {
+    fn parse(&self, items: &[Option<Json>]) -> Parsed {
         let numeric = self.item_type.id == Some(TypeId::of::<f64>()) || self.item_type.id == Some(TypeId::of::<i64>());
         if numeric && items.iter().flatten().any(|j| !j.is_number()) {
             let converted: Result<Vec<Option<Json>>, _> = items

@@ -1,7 +1,12 @@
 //! Behaviour of the engine, by subject.
 
+mod bad_input;
 mod blocking;
 mod cache;
 mod cancel;
 mod common;
+mod file;
 mod lanes;
+mod laws;
+mod ports;
+mod scale;

@@ -11,6 +11,7 @@ use crate::value::item::kind_of;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::sync::Arc;
 
 /// Files larger than this are refused unless the caller allows more: 64 MiB.
@@ -160,10 +161,13 @@ impl<'a> Loader<'a> {
         };
         let mut map = Map::new();
         for (key, value) in members {
-            if map.contains_key(&key) {
-                self.error(value.get(), format!("\"{key}\" stands twice in {what}"));
-            } else {
-                map.insert(key, value);
+            match map.entry(key) {
+                Entry::Vacant(free) => {
+                    free.insert(value);
+                }
+                Entry::Occupied(taken) => {
+                    self.error(value.get(), format!("\"{}\" stands twice in {what}", taken.key()));
+                }
             }
         }
         map
@@ -223,7 +227,8 @@ impl<'a> Loader<'a> {
         if found.is_none() {
             let names: Vec<&str> = all.iter().map(|(n, _)| *n).collect();
             let hint = did_you_mean(name, names.iter().copied());
-            self.error(raw, format!("\"{name}\" is no {what}; there are {}", names.join(", "))).hint = hint;
+            self.error(raw, format!("\"{name}\" is no {what}; there are {}", names.join(", "))).hint =
+                hint.map(Into::into);
         }
         found
     }

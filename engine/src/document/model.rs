@@ -1,5 +1,6 @@
 //! The document in memory. Everything that the file says is kept, also what this version does not understand.
 
+use crate::diagnostic::Diagnostic;
 use crate::evaluate::matching::Matching;
 use crate::value::Json;
 use std::collections::BTreeMap;
@@ -194,11 +195,12 @@ impl Document {
     /// Adds or replaces a node. Ids must not be empty or contain a dot: `node.port` could not be read back.
     ///
     /// # Errors
-    /// Gives the node back if the id is not allowed.
-    pub fn insert(&mut self, id: impl Into<String>, node: Node) -> Result<(), Node> {
+    /// If the id is not allowed.
+    pub fn insert(&mut self, id: impl Into<String>, node: Node) -> Result<(), Diagnostic> {
         let id = id.into();
         if !valid_id(&id) {
-            return Err(node);
+            let message = format!("\"{id}\" cannot be a node's id: it is empty or has a dot in it");
+            return Err(Diagnostic::error("bad-id", message));
         }
         self.nodes.insert(id, node);
         Ok(())
