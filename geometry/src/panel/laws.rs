@@ -148,6 +148,35 @@ fn chamfers_of_neighbours_coincide() {
     assert_eq!(inner, 2 * 2 * 15 * 16);
 }
 
+#[test]
+fn planarized_meshes_do_not_overlap() {
+    use crate::planar::{PlanarizeParams, planarize};
+    let dome = grid(9, 9, |i, j| {
+        let (x, y) = (i as f64 / 4.0 - 1.0, j as f64 / 4.0 - 1.0);
+        DVec3::new(2000.0 * x + 150.0 * y * y, 2000.0 * y, 700.0 * (1.0 - x * x) * (1.2 - y * y))
+    });
+    let planar = planarize(&dome, &PlanarizeParams::default(), &|_| true).unwrap();
+    assert!(planar.reached);
+    let (set, issues) = thicken(&planar.mesh, &ThickenParams::new(21.0)).unwrap();
+    assert_eq!(issues, []);
+    check_all(&planar.mesh, &set, 21.0);
+    assert!(set.voided.iter().filter(|v| **v).count() > 100);
+    assert!(overlap(&planar.mesh, &set).1 <= 1e-9);
+}
+
+#[test]
+fn faces_at_the_edge_of_planar_do_not_overlap() {
+    let mut mesh = shell();
+    for (k, p) in mesh.points.iter_mut().enumerate() {
+        *p += 5e-5 * DVec3::new((k as f64 * 12.9).sin(), (k as f64 * 7.3).sin(), (k as f64 * 3.7).sin());
+    }
+    let (set, issues) = thicken(&mesh, &ThickenParams::new(21.0)).unwrap();
+    assert_eq!(issues, []);
+    check_all(&mesh, &set, 21.0);
+    let (most, share) = overlap(&mesh, &set);
+    assert!(share <= 1e-9, "{most} mm³, {share}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 

@@ -51,7 +51,7 @@ pub struct PanelSet {
     pub vertex: Vec<u32>,
     /// Chamfer plane of each edge, normal pointing away from the wood.
     pub chamfer: Vec<Plane>,
-    /// The panel edge across each edge; `None` on the border.
+    /// The panel edge across each edge; `None` on the border and beside a panel that could not be made.
     pub neighbour: Vec<Option<EdgeRef>>,
     /// Grid side of each edge.
     pub side: Vec<Side>,
