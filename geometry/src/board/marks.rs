@@ -312,3 +312,133 @@ fn engrave(
         height = (0.85 * height).max(rule.least_height);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::board::testing::{Shape, panel_set, slanted_quad};
+    use crate::board::{MapIssue, MapParams, Up, map_parts};
+    use crate::joint::FeatureSet;
+    use glam::DAffine3;
+    use proptest::prelude::*;
+
+    fn drill(at: DVec2, axis: DVec3, depth: f64) -> Feature {
+        let machining = Machining::Drill { entry: at.extend(0.0), axis, depth, diameter: 6.0 };
+        Feature { panel: 0, edge: None, joint: Some(0), purpose: "dowel", machining }
+    }
+
+    fn map(shape: Shape, features: Vec<Feature>, params: &MapParams) -> (PartSet, Vec<MapIssue>) {
+        let set = panel_set(&[shape], 10.0, DAffine3::IDENTITY);
+        map_parts(&set, &FeatureSet { features, ..FeatureSet::default() }, params)
+    }
+
+    /// Distance of a vertical line at `p` from the chamfers, seen in the board's plane.
+    fn wood_around(parts: &PartSet, p: DVec2, z: f64) -> f64 {
+        let gap = |f: &crate::board::Facet| -f.plane.distance(p.extend(z)) / f.plane.normal.truncate().length();
+        facets(&parts.panels, 0).iter().map(gap).fold(f64::INFINITY, f64::min)
+    }
+
+    proptest! {
+        #[test]
+        fn marks_lie_in_the_wood_and_clear_of_all_features(
+            lean in prop::array::uniform4(-0.5..0.5f64),
+            shear in -60.0..60.0f64,
+            up in prop::sample::select(vec![Up::Front, Up::Back]),
+            holes in prop::collection::vec((40.0..260.0f64, 15.0..95.0f64, 0.0..6.2f64), 0..6),
+        ) {
+            let features: Vec<Feature> = holes
+                .iter()
+                .map(|(x, y, a)| drill(DVec2::new(*x, *y), DVec3::new(a.cos(), a.sin(), -1.0).normalize(), 12.0))
+                .collect();
+            let (parts, issues) = map(slanted_quad(300.0, 110.0, shear, lean), features, &MapParams { up, ..MapParams::default() });
+            let (rule, mark) = (FixingHoles::default(), AddressMark::default());
+            let all = &parts.features.features;
+            let made: Vec<&Feature> = all.iter().filter(|f| f.purpose == "fixing").collect();
+            prop_assert_eq!(made.len() < 2, issues.iter().any(|i| matches!(i, MapIssue::Mark { issue: MarkIssue::Fixing { .. }, .. })));
+            let (drilled, marks): (Vec<_>, Vec<_>) = all.iter().partition(|f| f.purpose == "dowel");
+            let shadows: Vec<Vec<DVec2>> = drilled.iter().filter_map(|f| shadow(&f.machining)).collect();
+            for f in &marks {
+                let own = shadow(&f.machining).unwrap();
+                match &f.machining {
+                    Machining::Drill { entry, axis, depth, .. } => {
+                        prop_assert_eq!((entry.z, *axis, *depth), (10.0, DVec3::NEG_Z, 10.0));
+                        for z in [0.0, 10.0] {
+                            prop_assert!(wood_around(&parts, entry.truncate(), z) >= rule.edge + 2.0 - 1e-9);
+                        }
+                        prop_assert!(shadows.iter().all(|s| separation(&own, s) >= rule.feature - 1e-9));
+                    }
+                    Machining::Engraving { height, text, .. } => {
+                        prop_assert_eq!(text.as_str(), "0.0");
+                        prop_assert!(*height <= mark.height && *height >= mark.least_height);
+                        prop_assert!(own.iter().all(|c| wood_around(&parts, *c, 10.0) >= mark.edge - 1e-9));
+                        prop_assert!(shadows.iter().all(|s| separation(&own, s) >= mark.feature - 1e-9));
+                        for hole in &made {
+                            prop_assert!(separation(&own, &shadow(&hole.machining).unwrap()) >= mark.feature - 1e-9);
+                        }
+                    }
+                    other => prop_assert!(false, "{other:?}"),
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn holes_go_to_the_ends_of_the_part() {
+        let (parts, issues) = map(slanted_quad(300.0, 110.0, 0.0, [0.0; 4]), Vec::new(), &MapParams::default());
+        assert!(issues.is_empty());
+        let at: Vec<DVec3> = parts
+            .features
+            .features
+            .iter()
+            .filter_map(|f| match f.machining {
+                Machining::Drill { entry, .. } => Some(entry),
+                _ => None,
+            })
+            .collect();
+        // The diagonal of the 266 × 76 mm that are left at 15 + 2 mm from the edges.
+        assert!((at[0].distance(at[1]) - 266f64.hypot(76.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_address_shrinks_and_turns_to_fit() {
+        let height = |shape: Shape| {
+            let params = MapParams { fixing: None, ..MapParams::default() };
+            let (parts, issues) = map(shape, Vec::new(), &params);
+            parts
+                .features
+                .features
+                .iter()
+                .find_map(|f| match &f.machining {
+                    Machining::Engraving { height, along, .. } => Some((*height, *along)),
+                    _ => None,
+                })
+                .ok_or(issues)
+        };
+        assert_eq!(height(slanted_quad(100.0, 40.0, 0.0, [0.0; 4])), Ok((15.0, DVec3::X)));
+        // 15 mm wide: 5 mm are left between the edges.
+        let (small, along) = height(slanted_quad(100.0, 15.0, 0.0, [0.0; 4])).unwrap();
+        assert!((4.0..=5.0).contains(&small) && along == DVec3::X);
+        let (_, along) = height(slanted_quad(20.0, 100.0, 0.0, [0.0; 4])).unwrap();
+        assert_eq!(along, DVec3::Y);
+        let issue = MarkIssue::Address { least_height: 4.0 };
+        assert_eq!(height(slanted_quad(100.0, 13.0, 0.0, [0.0; 4])), Err(vec![MapIssue::Mark { panel: 0, issue }]));
+    }
+
+    #[test]
+    fn a_part_too_small_for_its_holes_says_what_would_do() {
+        let (parts, issues) = map(slanted_quad(200.0, 30.0, 0.0, [0.0; 4]), Vec::new(), &MapParams::default());
+        assert!(parts.features.features.iter().all(|f| f.purpose != "fixing"));
+        let [MapIssue::Mark { issue: MarkIssue::Fixing { wanted, placed, largest, .. }, .. }] = issues[..] else {
+            panic!("{issues:?}")
+        };
+        assert_eq!((wanted, placed), (2, 0));
+        assert!((largest - 13.0).abs() < 1e-6, "{largest}");
+    }
+
+    #[test]
+    fn addresses_name_their_patch_where_there_are_several() {
+        let address = Address { patch: 2, row: 3, column: 12 };
+        assert_eq!(address_text(address, false), "3.12");
+        assert_eq!(address_text(address, true), "2.3.12");
+    }
+}

@@ -31,6 +31,20 @@ pub struct PartSet {
     pub up: Up,
 }
 
+impl PartSet {
+    /// Moves features, by their indices, from the machine's list to the hand-work list, which keeps its order by panel.
+    /// Indices that are none are passed over. O(features log features).
+    pub fn leave_to_hand(&mut self, features: impl IntoIterator<Item = u32>) {
+        let given: std::collections::BTreeSet<u32> = features.into_iter().collect();
+        let all = std::mem::take(&mut self.features.features);
+        for (k, feature) in all.into_iter().enumerate() {
+            let by_hand = given.contains(&(k as u32));
+            if by_hand { &mut self.features.by_hand } else { &mut self.features.features }.push(feature);
+        }
+        self.features.by_hand.sort_by_key(|f| f.panel);
+    }
+}
+
 /// Raw material on the machine table.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Board {

@@ -37,6 +37,15 @@ impl PartPaths {
             _ => &[],
         }
     }
+
+    /// Features that the machine does not make although their part is cut: what is left to the hand
+    /// ([`PartSet::leave_to_hand`]).
+    pub fn unmade_features(&self) -> impl Iterator<Item = u32> {
+        self.issues.iter().filter_map(|i| match i.place {
+            Place::Feature(k) => Some(k),
+            Place::Facet(_) | Place::Board(_) => None,
+        })
+    }
 }
 
 /// Tool paths of every part in its part frame: fixing holes, engraving, drilling, contour. A part that cannot be cut
