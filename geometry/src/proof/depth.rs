@@ -59,6 +59,9 @@ pub(crate) fn depth(sweep: &Sweep, planes: &[Plane], enough: f64, precision: f64
     best
 }
 
+/// Least pivot, of entries between 0.1 and 1.1.
+const PIVOT: f64 = 1e-9;
+
 /// Optimal mixed strategies of a matrix game.
 struct Game {
     rows: Vec<f64>,
@@ -111,10 +114,14 @@ fn solve_game(payoff: &[f64], columns: usize) -> Option<Game> {
             normalize(&mut game.columns)?;
             return Some(game);
         };
-        let leaving = (0..rows).filter(|r| t[r * width + c] > 1e-12).min_by(|a, b| {
-            let ratio = |r: usize| t[r * width + width - 1] / t[r * width + c];
-            ratio(*a).total_cmp(&ratio(*b)).then(basis[*a].cmp(&basis[*b]))
-        })?;
+        // Of the rows that bind first, give or take rounding, the one with the largest pivot: equal faces and points
+        // leave differences of rounding size, and dividing by one of those would lose everything.
+        let ratio = |r: usize| t[r * width + width - 1].max(0.0) / t[r * width + c];
+        let candidates = || (0..rows).filter(|r| t[r * width + c] > PIVOT);
+        let first = candidates().map(ratio).fold(f64::INFINITY, f64::min);
+        let leaving = candidates()
+            .filter(|r| ratio(*r) <= first + 1e-10 * (1.0 + first))
+            .max_by(|a, b| t[a * width + c].total_cmp(&t[b * width + c]).then(basis[*b].cmp(&basis[*a])))?;
         let pivot = t[leaving * width + c];
         for k in 0..width {
             t[leaving * width + k] /= pivot;
@@ -189,6 +196,26 @@ mod tests {
         assert!((d.upper - expected).abs() < 1e-5 && (d.lower - expected).abs() < 1e-5, "{d:?} {expected}");
     }
 
+    #[test]
+    fn a_long_flat_cut_beside_a_leaning_side_is_apart() {
+        let plane = |x: f64, y: f64, z: f64, offset: f64| Plane { normal: DVec3::new(x, y, z), offset };
+        // Node facets on borders have their chamfer's plane: the same face several times.
+        let bottom = plane(0.0, 6.938893903907228e-18, -1.0, 1.4356411920979646e-14);
+        let top = plane(0.0, -6.938893903907228e-18, 1.0, 9.999999999999986);
+        let far = plane(3.469446951953614e-18, 0.9793837241602413, -0.20200871478729943, 2026.3224034640775);
+        let right = plane(0.9885312213469695, 0.15095839878818784, 0.004193597211826369, 620.4891448258833);
+        let near = plane(0.0, -0.9661943264098489, -0.2578149018451393, -1834.5922151029094);
+        let left = plane(-0.9885312511613612, -0.15095840334113744, 0.004186399174492747, -342.4209787678343);
+        let planes = [bottom, top, far, right, near, left, left, far, near, left];
+        let axis = DVec3::new(0.0, 0.19478218961070887, 0.9808465214346523);
+        let (from, to) = (DVec3::new(29.168, 1881.888, -2.929), DVec3::new(313.773, 1881.888, -2.929));
+        let mut s = sweep(from, to, axis, 10.0, 10.0, 65.0);
+        s.discs[1].center = DVec3::new(29.168, 1894.548842324696, 60.8260238932524);
+        s.discs[3].center = DVec3::new(313.773, 1894.548842324696, 60.8260238932524);
+        let d = depth(&s, &planes, 0.005, 5e-4);
+        assert!(d.upper <= 0.005, "{d:?}");
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(128))]
 
@@ -219,6 +246,35 @@ mod tests {
                         prop_assert!(at <= d.upper + 1e-9);
                     }
                 }
+            }
+        }
+
+        /// Cuts as they occur, along and across a panel whose faces partly stand twice in the list: the bounds meet.
+        #[test]
+        fn bounds_meet_on_panels(
+            lean in prop::array::uniform4(-0.6..0.6f64), turn in prop::array::uniform4(-0.2..0.2f64),
+            at in (-200.0..200.0f64, -90.0..90.0f64, -12.0..12.0f64), length in -400.0..400.0f64,
+            tilt in -0.7..0.7f64, heading in 0.0..6.3f64, double in 0..4usize,
+        ) {
+            let mut planes = vec![
+                Plane { normal: -DVec3::Z, offset: 0.0 },
+                Plane { normal: DVec3::Z, offset: 10.0 },
+            ];
+            for k in 0..4 {
+                let angle = std::f64::consts::FRAC_PI_2 * k as f64 + turn[k];
+                let out = DVec3::new(angle.cos(), angle.sin(), 0.0);
+                let normal = out * lean[k].cos() + DVec3::Z * lean[k].sin();
+                planes.push(Plane::through(out * if k % 2 == 0 { 150.0 } else { 60.0 }, normal));
+            }
+            planes.extend_from_within(6 - double..);
+            let along = DVec3::new(heading.cos(), heading.sin(), 0.0);
+            let across = DVec3::new(-heading.sin(), heading.cos(), 0.0);
+            let axis = across * tilt.sin() + DVec3::Z * tilt.cos();
+            let from = DVec3::new(at.0, at.1, at.2);
+            for radius in [1.5, 10.0] {
+                let s = sweep(from, from + along * length, axis, radius, radius, 65.0);
+                let d = depth(&s, &planes, 0.005, 5e-4);
+                prop_assert!(d.upper <= 0.005 || d.upper - d.lower <= 5e-4, "{:?}", d);
             }
         }
     }

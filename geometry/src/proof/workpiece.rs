@@ -59,7 +59,7 @@ impl Workpiece {
         let names = [PartFace::Front, PartFace::Back].into_iter().chain((0..corners).map(PartFace::Edge)).chain(facets);
         let points: Vec<DVec3> = solid.points.iter().map(|p| placement.point(*p)).collect();
         let shift = placement.offset.extend(0.0);
-        let planes: Vec<Plane> = solid
+        let placed: Vec<Plane> = solid
             .planes
             .iter()
             .map(|p| {
@@ -68,7 +68,7 @@ impl Workpiece {
             })
             .collect();
         let faces = names
-            .zip(&planes)
+            .zip(&placed)
             .enumerate()
             .map(|(f, (name, plane))| Face {
                 name,
@@ -76,6 +76,13 @@ impl Workpiece {
                 corners: solid.face(f).iter().map(|v| points[*v as usize]).collect(),
             })
             .collect();
+        // Facets on borders lie in a chamfer and have its plane.
+        let mut planes: Vec<Plane> = Vec::with_capacity(placed.len());
+        for plane in placed {
+            if !planes.contains(&plane) {
+                planes.push(plane);
+            }
+        }
         let mut piece = Self {
             part: placement.part,
             aabb: Aabb::of(points),

@@ -3,10 +3,10 @@
 use super::*;
 use tenon_geometry::DVec3;
 use tenon_geometry::board::{Board, Goods, Layout, MapParams, Packer, PartSet, RowPacker, map_parts};
-use tenon_geometry::joint::{Feature, FeatureSet, Machining};
+use tenon_geometry::joint::{FastenerRule, lay_fasteners};
 use tenon_geometry::machine::Machine;
 use tenon_geometry::mesh::{Address, Mesh};
-use tenon_geometry::motion::{PathParams, cut_parts, place_paths};
+use tenon_geometry::motion::{PathParams, Place, cut_parts, place_paths};
 use tenon_geometry::panel::{BorderCut, BorderRule, ThickenParams, thicken};
 use tenon_geometry::proof::{Body, Fault, Obstacle, ProofParams, ProofReport};
 
@@ -33,7 +33,7 @@ struct Chain {
     programs: Vec<PostedProgram>,
 }
 
-/// Shell to posted text: panels, pilots at 45° through the back of one chamfer each, marks, layout, paths, programs.
+/// Shell to posted text: panels, toe screws, marks, layout, paths, programs.
 fn chain(columns: usize, rows: usize, thickness: f64) -> Chain {
     chain_on("maka-mm7s", columns, rows, thickness)
 }
@@ -44,27 +44,16 @@ fn chain_on(machine: &str, columns: usize, rows: usize, thickness: f64) -> Chain
     params.border = BorderRule { bottom: BorderCut::Angle(0.2), left: BorderCut::Angle(-0.15), ..params.border };
     let (panels, issues) = thicken(&shell(columns, rows), &params).unwrap();
     assert!(issues.iter().all(|i| !i.is_fatal()), "{issues:?}");
-    let mut features = FeatureSet::default();
-    for panel in 0..panels.len() as u32 {
-        // A blind pilot from the face that lies up, 45° towards the middle of the panel.
-        let front: Vec<DVec3> = panels.front[panels.corners(panel as usize)].to_vec();
-        let normal = panels.normal[panel as usize];
-        let middle: DVec3 = front.iter().sum::<DVec3>() / front.len() as f64;
-        let edge = front[0].midpoint(front[1]);
-        let inward = (middle - edge).normalize();
-        let up = MapParams::default().up;
-        let (out, face) = match up {
-            tenon_geometry::board::Up::Front => (normal, 0.0),
-            tenon_geometry::board::Up::Back => (-normal, thickness),
-        };
-        let entry = edge + inward * 25.0 - normal * face;
-        let axis = (inward - out).normalize();
-        let depth = 0.8 * thickness * 2f64.sqrt();
-        let machining = Machining::Drill { entry, axis, depth, diameter: 3.0 };
-        features.features.push(Feature { panel, edge: Some(0), joint: None, purpose: "toe screw", machining });
-    }
-    let (parts, _) = map_parts(&panels, &features, &MapParams::default());
+    let map = MapParams::default();
+    // 21 mm take toe screws as well here: their pilots enter from above on either board.
+    let (features, _) = lay_fasteners(&panels, &FastenerRule::toe_screws(map.up)).unwrap();
     let path_params = PathParams::default();
+    let (mut parts, _) = map_parts(&panels, &features, &map);
+    // What no tool reaches is made by hand.
+    let tried = cut_parts(&parts, &file.machine, &path_params, &|_| true).unwrap();
+    let out_of_reach = |k: u32| tried.issues.iter().any(|i| i.place == Place::Feature(k));
+    let mut index = 0..;
+    parts.features.features.retain(|_| !out_of_reach(index.next().unwrap()));
     let paths = cut_parts(&parts, &file.machine, &path_params, &|_| true).unwrap();
     assert!(paths.issues.is_empty(), "{:?}", paths.issues);
     let goods = Goods::of_parts(&parts, &paths, &file.machine, &path_params);
