@@ -27,11 +27,14 @@ pub fn cleared_outlines(piece: &[Vec<DVec2>], paths: &PartPaths, machine: &Machi
             if own.len() < 3 {
                 return Vec::new();
             }
+            let borders = borders(own);
             let mut points = own.clone();
             for op in paths.of_part(i) {
                 let body = &bodies[op.tool as usize];
                 for (tip, axis) in deep_poses(paths, op.moves.start as usize..op.moves.end as usize) {
-                    shadow(body, &ring, tip, axis, top, &mut points);
+                    if !lies_within(&borders, body, tip, axis, top) {
+                        shadow(body, &ring, tip, axis, top, &mut points);
+                    }
                 }
             }
             hull(&points)
@@ -58,6 +61,33 @@ fn deep_poses(paths: &PartPaths, moves: std::ops::Range<usize>) -> Vec<(DVec3, D
         }
     }
     kept
+}
+
+/// Borders of a convex polygon: a point of each and its unit inward normal.
+fn borders(polygon: &[DVec2]) -> Vec<(DVec2, DVec2)> {
+    let ends = polygon.iter().zip(polygon.iter().cycle().skip(1));
+    ends.filter_map(|(a, b)| Some((*a, (*b - *a).try_normalize()?.perp()))).collect()
+}
+
+/// Whether all of the body up to `top` surely stands over the piece: then it clears nothing beside it. Most holes and
+/// all engravings do.
+fn lies_within(borders: &[(DVec2, DVec2)], body: &Envelope, tip: DVec3, axis: DVec3, top: f64) -> bool {
+    let lean = axis.truncate().length();
+    for piece in body.pieces() {
+        let radius = piece.radius_from.max(piece.radius_to);
+        // Above this height along the axis even the lowest side of the body is over `top`.
+        let end = piece.to.min((top - tip.z + radius * lean) / axis.z.max(f64::MIN_POSITIVE));
+        if piece.from > end {
+            continue;
+        }
+        for h in [piece.from, end] {
+            let centre = (tip + axis * h).truncate();
+            if borders.iter().any(|(from, inward)| inward.dot(centre - *from) < radius) {
+                return false;
+            }
+        }
+    }
+    true
 }
 
 /// Adds the outline of the body's part at heights up to `top` as seen from above.

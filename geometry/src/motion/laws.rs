@@ -271,8 +271,12 @@ fn a_bad_machine_or_parameter_is_refused_as_a_whole() {
     assert!(matches!(run(&no_mill, &params), PathError::NoTool { .. }));
     let missing = PathParams { contour_tool: Some(7), ..params.clone() };
     assert_eq!(run(&machine, &missing).to_string(), "the machine has no end mill T7; it has T10 Ø20");
-    let step = PathParams { max_step: 0.0, ..params.clone() };
-    assert!(matches!(run(&machine, &step), PathError::Parameter { name: "max_step", .. }));
+    for max_step in [0.0, f64::NAN, 1e-9] {
+        let step = PathParams { max_step, ..params.clone() };
+        assert!(matches!(run(&machine, &step), PathError::Parameter { name: "max_step", .. }));
+    }
+    let peck = PathParams { peck: Some(1e-9), ..params.clone() };
+    assert!(matches!(run(&machine, &peck), PathError::Parameter { name: "peck", .. }));
     assert_eq!(cut_parts(&parts, &machine, &params, &|_| false).unwrap_err(), PathError::Cancelled);
 }
 

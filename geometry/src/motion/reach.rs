@@ -264,7 +264,7 @@ pub(super) fn sine(axis: DVec3) -> f64 {
 impl PathParams {
     /// Checks ranges and the machine's safe height over boards of thickness `top`.
     pub(super) fn check(&self, machine: &Machine, top: f64) -> Result<(), PathError> {
-        let positive = [("max_step", self.max_step), ("peck", self.peck.unwrap_or(1.0))];
+        let positive = [("max_step", self.max_step), ("peck", self.peck.unwrap_or(top.max(1.0)))];
         let not_negative = [
             ("overrun", self.overrun),
             ("corner_overrun", self.corner_overrun),
@@ -274,6 +274,11 @@ impl PathParams {
         for (name, value) in positive {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(PathError::Parameter { name, value, must: "more than 0" });
+            }
+            // No board is cut in more steps, and a slip of the decimal point must not fill the memory.
+            if value < 1e-3 * top {
+                let must = "at least a thousandth of the board's thickness";
+                return Err(PathError::Parameter { name, value, must });
             }
         }
         for (name, value) in not_negative {
