@@ -1,7 +1,7 @@
 //! The chain of rooms from a mesh to proven programs, without the graph: panels, joints, parts, boards, tool paths, text,
 //! proof.
 
-use tenon_geometry::board::{Board, Bounds, Goods, MapParams, Packer, RowPacker, Up, check_layout, map_parts};
+use tenon_geometry::board::{Board, Bounds, Goods, Grain, MapParams, Packer, RowPacker, Up, check_layout, map_parts};
 use tenon_geometry::joint::{FastenerRule, lay_fasteners};
 use tenon_geometry::mesh::{Address, Mesh};
 use tenon_geometry::motion::{PathParams, cut_parts, place_paths};
@@ -37,7 +37,7 @@ fn shell(n: usize, span: f64, rise: f64, step: f64, depth: f64) -> Mesh {
 
 /// Panels, joints, parts, paths, boards, programs, proof; holes that the machine cannot reach are left to the hand.
 /// Returns how many holes the machine makes and how many boards it takes.
-fn prove_shell(mesh: &Mesh, thickness: f64, rule: &FastenerRule, up: Up) -> (usize, u32) {
+fn prove_shell(mesh: &Mesh, thickness: f64, rule: &FastenerRule, up: Up, grain: Grain) -> (usize, u32) {
     let (panels, _) = thicken(mesh, &ThickenParams::new(thickness)).unwrap();
     let (features, _) = lay_fasteners(&panels, rule).unwrap();
     let (mut parts, issues) = map_parts(&panels, &features, &MapParams { up, ..MapParams::default() });
@@ -47,7 +47,7 @@ fn prove_shell(mesh: &Mesh, thickness: f64, rule: &FastenerRule, up: Up) -> (usi
     let paths = cut_parts(&parts, &file.machine, &params, &go).unwrap();
     assert!(!paths.failed.contains(&true), "{}", paths.issues[0]);
     parts.leave_to_hand(paths.unmade_features());
-    let goods = Goods::of_parts(&parts, &paths, &file.machine, &params);
+    let goods = Goods { grain, ..Goods::of_parts(&parts, &paths, &file.machine, &params) };
     let board = Board { size: DVec2::new(1500.0, 3000.0), thickness, margin: 5.0 };
     let packed = RowPacker::default().pack(&goods, &board, &go).unwrap();
     assert!(packed.left_out.is_empty());
@@ -68,10 +68,17 @@ fn prove_shell(mesh: &Mesh, thickness: f64, rule: &FastenerRule, up: Up) -> (usi
 }
 
 #[test]
-fn thin_shell_with_toe_screws_is_proven_with_either_face_up() {
-    for up in [Up::Back, Up::Front] {
+fn thin_shell_with_toe_screws_is_proven_with_either_face_up_and_parts_turned() {
+    for (up, grain) in [(Up::Back, Grain::Directed), (Up::Front, Grain::Axis), (Up::Back, Grain::Free)] {
         let mesh = shell(16, 4500.0, 1200.0, 105.0, 40.0);
-        let (holes, boards) = prove_shell(&mesh, 10.0, &FastenerRule::toe_screws(up), up);
+        let (holes, boards) = prove_shell(&mesh, 10.0, &FastenerRule::toe_screws(up), up, grain);
         assert!(holes > 1500 && boards <= 4, "{holes} holes, {boards} boards");
     }
+}
+
+#[test]
+fn thick_shell_with_dowels_is_proven() {
+    let mesh = shell(12, 4500.0, 1600.0, 300.0, 110.0);
+    let (holes, _) = prove_shell(&mesh, 21.0, &FastenerRule::toe_dowels(Up::Back), Up::Back, Grain::Directed);
+    assert!(holes > 1000, "{holes} holes");
 }
