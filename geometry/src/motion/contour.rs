@@ -88,25 +88,23 @@ pub(super) fn cut(reach: &Reach, params: &PathParams, facet: &Facet, out: &mut T
     Ok(())
 }
 
-/// Checks the lowest point of the tilted flat end against the sacrificial layer: `2 r sin β + o cos β` below v_b for
-/// an undercut, `o cos β` otherwise.
+/// Checks the lowest point of the flat end of a tool tilted for an undercut against the sacrificial layer:
+/// `2 r sin β + o cos β` below v_b.
 fn below_board(reach: &Reach, normal_z: f64, axis: DVec3, o: f64) -> Result<(), PathError> {
     let r = 0.5 * reach.tool.diameter;
     let (sin, cos) = (sine(axis), axis.z);
-    let undercut = normal_z < 0.0;
-    let depth = if undercut { 2.0 * r * sin + o * cos } else { o * cos };
+    // Without an undercut the lowest point lies on the plane, `o cos β` below: the overrun has been checked as such.
+    if normal_z >= 0.0 {
+        return Ok(());
+    }
+    let depth = 2.0 * r * sin + o * cos;
     let sacrificial = reach.machine.table.sacrificial;
     if depth <= sacrificial {
         return Ok(());
     }
     // 2 r sin β + o cos β = R sin(β + φ), R² = 4 r² + o², tan φ = o / 2 r.
-    let largest_tilt = if undercut {
-        let whole = (2.0 * r).hypot(o);
-        ((sacrificial / whole).clamp(-1.0, 1.0).asin() - o.atan2(2.0 * r)).max(0.0)
-    } else {
-        0.0
-    };
-    let largest_radius = if undercut { ((sacrificial - o * cos) / (2.0 * sin)).max(0.0) } else { 0.0 };
+    let largest_tilt = ((sacrificial / (2.0 * r).hypot(o)).clamp(-1.0, 1.0).asin() - o.atan2(2.0 * r)).max(0.0);
+    let largest_radius = ((sacrificial - o * cos) / (2.0 * sin)).max(0.0);
     Err(PathError::TooDeep {
         tool: reach.tool.number,
         tilt: sin.atan2(cos).to_degrees(),

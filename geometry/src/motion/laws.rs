@@ -275,6 +275,8 @@ fn a_bad_machine_or_parameter_is_refused_as_a_whole() {
         let step = PathParams { max_step, ..params.clone() };
         assert!(matches!(run(&machine, &step), PathError::Parameter { name: "max_step", .. }));
     }
+    let overrun = PathParams { overrun: 19.5, ..params.clone() };
+    assert!(matches!(run(&machine, &overrun), PathError::Parameter { name: "overrun", .. }));
     let peck = PathParams { peck: Some(1e-9), ..params.clone() };
     assert!(matches!(run(&machine, &peck), PathError::Parameter { name: "peck", .. }));
     assert_eq!(cut_parts(&parts, &machine, &params, &|_| false).unwrap_err(), PathError::Cancelled);

@@ -286,6 +286,10 @@ impl PathParams {
                 return Err(PathError::Parameter { name, value, must: "0 or more" });
             }
         }
+        if self.overrun > machine.table.sacrificial {
+            let must = "at most the thickness of the sacrificial layer";
+            return Err(PathError::Parameter { name: "overrun", value: self.overrun, must });
+        }
         let least = top + self.clearance;
         if machine.safe_height.is_nan() || machine.safe_height <= least {
             return Err(PathError::SafeHeight { safe: machine.safe_height, least });
