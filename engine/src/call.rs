@@ -3,7 +3,7 @@
 use crate::diagnostic::{Fail, Severity};
 use crate::evaluate::matching::{Arg, Lanes};
 use crate::evaluate::output::Output;
-use crate::port::Access;
+use crate::port::{Access, Port};
 use crate::registry::NodeType;
 use crate::value::{Column, Item, Text, Tree};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -199,69 +199,67 @@ impl<'a> Call<'a> {
         }
     }
 
-    fn output(&mut self, port: &str) -> Option<&mut Output> {
-        match self.node_type.output_index(port) {
-            Some(i) if i < self.outputs.len() => self.outputs.get_mut(i),
-            _ => {
-                self.bug = Some(bug(self.node_type, format!("it has no output \"{port}\"")));
-                None
-            }
+    /// Index of an output that takes items of type `T`; anything else is the node's fault and told as such.
+    fn output_of<T: Item>(&mut self, port: &str) -> Option<(usize, Access)> {
+        let (i, declared) = self.any_output(port)?;
+        if declared.item_type.id.is_some_and(|id| id != std::any::TypeId::of::<T>()) {
+            let message = format!("it sets \"{port}\" to {}, but declared {}", T::TYPE, declared.item_type.name);
+            self.bug = Some(bug(self.node_type, message));
+            return None;
         }
+        Some((i, declared.access))
     }
 
-    fn accepts<T: Item>(&mut self, port: &str) -> bool {
-        let declared = self.node_type.output_index(port).and_then(|i| self.node_type.outputs.get(i));
-        match declared {
-            Some(p) if p.item_type.id.is_some_and(|id| id != std::any::TypeId::of::<T>()) => {
-                let message = format!("it sets \"{port}\" to {}, but declared {}", T::TYPE, p.item_type.name);
-                self.bug = Some(bug(self.node_type, message));
-                false
-            }
-            _ => true,
+    fn any_output(&mut self, port: &str) -> Option<(usize, &'a Port)> {
+        let node_type = self.node_type;
+        let found = node_type.output_index(port).and_then(|i| Some((i, node_type.outputs.get(i)?)));
+        if found.is_none() {
+            self.bug = Some(bug(node_type, format!("it has no output \"{port}\"")));
         }
+        found
     }
 
-    /// Sets an output to one item.
-    pub fn set<T: Item>(&mut self, port: &str, value: T) {
-        let declared = self.node_type.output_index(port).and_then(|i| self.node_type.outputs.get(i));
-        if declared.is_some_and(|p| p.access != Access::Item) {
-            return self.set_list(port, vec![value]);
-        }
+    fn put(&mut self, output: usize, put: impl FnOnce(&mut Output, usize)) {
         let lane = self.lane - self.first_lane;
-        if self.accepts::<T>(port)
-            && let Some(output) = self.output(port)
-        {
-            output.set_item(lane, value);
+        if let Some(output) = self.outputs.get_mut(output) {
+            put(output, lane);
+        }
+    }
+
+    /// Sets an output to one item; a list output to a list of one.
+    pub fn set<T: Item>(&mut self, port: &str, value: T) {
+        match self.output_of::<T>(port) {
+            Some((i, Access::Item)) => self.put(i, |o, lane| o.set_item(lane, value)),
+            Some((i, _)) => self.put(i, |o, lane| o.set_list(lane, Column::new(vec![value]))),
+            None => {}
         }
     }
 
     /// Sets an output to a list; with several lanes each lane's list becomes a branch.
     pub fn set_list<T: Item>(&mut self, port: &str, values: Vec<T>) {
-        if self.accepts::<T>(port) {
-            self.set_column(port, Column::new(values));
+        if let Some((i, _)) = self.output_of::<T>(port) {
+            self.put(i, |o, lane| o.set_list(lane, Column::new(values)));
         }
     }
 
     /// Sets an output to a list in which `None` is a gap.
     pub fn set_list_gaps<T: Item>(&mut self, port: &str, values: Vec<Option<T>>) {
-        if self.accepts::<T>(port) {
-            self.set_column(port, Column::with_gaps(values));
+        if let Some((i, _)) = self.output_of::<T>(port) {
+            self.put(i, |o, lane| o.set_list(lane, Column::with_gaps(values)));
         }
     }
 
     /// Sets an output to a column of any type.
     pub fn set_column(&mut self, port: &str, column: Column) {
-        let lane = self.lane - self.first_lane;
-        if let Some(output) = self.output(port) {
-            output.set_list(lane, column);
+        if let Some((i, _)) = self.any_output(port) {
+            self.put(i, |o, lane| o.set_list(lane, column));
         }
     }
 
     /// Sets an output to a whole tree; with several lanes each lane's paths are grafted under the lane's index.
     pub fn set_tree(&mut self, port: &str, tree: Tree) {
-        let lane = self.lane - self.first_lane;
-        if let Some(output) = self.output(port) {
-            output.set_tree(lane, tree);
+        if let Some((i, _)) = self.any_output(port) {
+            self.put(i, |o, lane| o.set_tree(lane, tree));
         }
     }
 

@@ -1,7 +1,7 @@
 //! Matching: which items meet in which lane, and one node run over all its lanes.
 //! A lane that fails leaves a gap at its index in every output; item i never meets item i+1's partner.
 
-use super::output::{Output, join};
+use super::output::{Output, alone, join};
 use crate::call::{Call, Monitor};
 use crate::diagnostic::{Fail, Severity};
 use crate::port::{Access, Port};
@@ -125,6 +125,11 @@ pub(crate) fn run(
             return Outcome::failure(reports);
         }
     };
+    if let [branch] = branches.as_slice()
+        && branch.lanes.count == 1
+    {
+        return run_alone(node_type, branch, monitor, reports);
+    }
     let mut pieces: Vec<(usize, usize, usize)> = Vec::with_capacity(branches.len());
     for (b, branch) in branches.iter().enumerate() {
         let count = branch.lanes.count;
@@ -143,6 +148,35 @@ pub(crate) fn run(
         pieces.iter().map(work).collect()
     };
     gather(node_type, &branches, done, reports)
+}
+
+/// The usual case: one branch, one lane.
+fn run_alone(
+    node_type: &NodeType,
+    branch: &Branch<'_>,
+    monitor: Monitor<'_>,
+    mut reports: Vec<(Severity, Fail)>,
+) -> Outcome {
+    let lot = run_lanes(node_type, branch, 0, 1, monitor);
+    reports.extend(lot.reports);
+    let mut failed = lot.good == 0 && (lot.bad > 0 || !reports.is_empty());
+    let mut outputs = Vec::new();
+    if !failed && !lot.cancelled {
+        outputs.reserve_exact(lot.outputs.len());
+        for (output, port) in lot.outputs.into_iter().zip(&node_type.outputs) {
+            match alone(output, port, &branch.path) {
+                Ok(tree) => outputs.push(tree),
+                Err(fail) => {
+                    reports.push((Severity::Error, fail));
+                    failed = true;
+                }
+            }
+        }
+    }
+    if failed {
+        outputs.clear();
+    }
+    Outcome { outputs, reports, failed, cancelled: lot.cancelled, panicked: lot.panicked }
 }
 
 /// Turns items that the port does not accept into gaps; false if the port sees lists or trees and so cannot do without them.
@@ -345,7 +379,6 @@ fn gather(
     let (mut good, mut bad, mut cancelled, mut panicked) = (0, 0, false, false);
     let mut parts: Vec<Vec<(Path, Column)>> =
         node_type.outputs.iter().map(|_| Vec::with_capacity(branches.len())).collect();
-    let mut whole: Vec<Option<Tree>> = vec![None; node_type.outputs.len()];
     let mut lots = lots.into_iter();
     for branch in branches {
         let mut columns: Vec<Vec<Output>> = node_type.outputs.iter().map(|_| Vec::with_capacity(1)).collect();
@@ -360,15 +393,11 @@ fn gather(
             reports.extend(lot.reports);
             columns.iter_mut().zip(lot.outputs).for_each(|(all, one)| all.push(one));
         }
-        let alone = branches.len() == 1 && branch.lanes.count == 1;
-        for (o, (pieces, port)) in columns.into_iter().zip(&node_type.outputs).enumerate() {
-            match join(pieces, port, &branch.path, branch.lanes.count, alone, &mut parts[o]) {
-                Ok(None) => {}
-                Ok(Some(tree)) => whole[o] = Some(tree),
-                Err(fail) => {
-                    reports.push((Severity::Error, fail));
-                    bad += 1;
-                }
+        for ((pieces, port), out) in columns.into_iter().zip(&node_type.outputs).zip(&mut parts) {
+            if let Err(fail) = join(pieces, port, &branch.path, branch.lanes.count, out) {
+                // A fault of the node: nothing that it made can be trusted.
+                reports.push((Severity::Error, fail));
+                return Outcome::failure(reports);
             }
         }
     }
@@ -376,7 +405,6 @@ fn gather(
     if failed || cancelled {
         return Outcome { outputs: Vec::new(), reports, failed, cancelled, panicked };
     }
-    let outputs =
-        whole.into_iter().zip(parts).map(|(tree, parts)| tree.unwrap_or_else(|| Tree::from_branches(parts))).collect();
+    let outputs = parts.into_iter().map(Tree::from_branches).collect();
     Outcome { outputs, reports, failed, cancelled, panicked }
 }

@@ -129,15 +129,30 @@ impl Output {
     }
 }
 
-/// Puts the pieces of one branch together and adds its branches to `out`; a lone lane's tree is handed back as it is.
+/// The tree of a node that ran in a single lane.
+pub(crate) fn alone(output: Output, port: &Port, path: &Path) -> Result<Tree, Fail> {
+    if output.mixed {
+        return Err(mixed(port));
+    }
+    let column = match output.kind {
+        Kind::Trees(mut trees) => match trees.pop().flatten() {
+            Some(tree) => return Ok(tree),
+            None => gaps(port, 1),
+        },
+        Kind::One(column, _) => column,
+        _ => items(vec![output], port, 1)?,
+    };
+    Ok(Tree::branch(path.clone(), column))
+}
+
+/// Puts the pieces of one branch together and adds its branches to `out`.
 pub(crate) fn join(
     pieces: Vec<Output>,
     port: &Port,
     path: &Path,
     lanes: usize,
-    alone: bool,
     out: &mut Vec<(Path, Column)>,
-) -> Result<Option<Tree>, Fail> {
+) -> Result<(), Fail> {
     if pieces.iter().any(|p| p.mixed) {
         return Err(mixed(port));
     }
@@ -146,7 +161,7 @@ pub(crate) fn join(
     if !trees && (lanes == 1 || (!lists && port.access == Access::Item)) {
         let column = items(pieces, port, lanes)?;
         out.push((path.clone(), column));
-        return Ok(None);
+        return Ok(());
     }
     if pieces.iter().any(|p| matches!(p.kind, Kind::Items(_))) {
         return Err(mixed(port));
@@ -162,7 +177,6 @@ pub(crate) fn join(
                     lists.into_iter().enumerate().map(|(i, l)| (place(lane + i), l.unwrap_or_else(|| gaps(port, 1)))),
                 );
             }
-            Kind::Trees(mut trees) if alone => return Ok(trees.pop().flatten()),
             Kind::Trees(trees) => {
                 for (i, tree) in trees.into_iter().enumerate() {
                     let base = place(lane + i);
@@ -180,7 +194,7 @@ pub(crate) fn join(
         }
         lane = end;
     }
-    Ok(None)
+    Ok(())
 }
 
 fn mixed(port: &Port) -> Fail {

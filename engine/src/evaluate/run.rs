@@ -29,16 +29,11 @@ struct Job {
     files: Vec<(usize, Vec<Vec<FileRead>>)>,
 }
 
-/// What a node was before this evaluation touched it.
-struct Undo {
-    node: u32,
-    run: NodeRun,
-    values: Vec<Option<Tree>>,
-    digests: Vec<u128>,
-}
-
 struct Evaluation {
-    undo: Vec<Undo>,
+    /// What nodes were before this evaluation touched them.
+    undo: Vec<(u32, NodeRun)>,
+    /// And what came out of them, in the same order.
+    undo_outputs: Vec<(Option<Tree>, u128)>,
     reports: Vec<NodeReport>,
     files: Files,
     /// Length of the event log before.
@@ -86,10 +81,18 @@ impl Session {
     pub fn evaluate(&mut self, targets: &[&str], control: &Control<'_>) -> Report {
         let start = Instant::now();
         let mut report = Report { diagnostics: self.plan.general.clone(), ..Report::default() };
-        let goals = self.find_goals(targets, &mut report.diagnostics);
-        self.mark_needed(goals);
-        let mut evaluation =
-            Evaluation { undo: Vec::new(), reports: Vec::new(), files: Files::new(), log: self.events.len() };
+        if !targets.is_empty() || !self.all_needed {
+            let goals = self.find_goals(targets, &mut report.diagnostics);
+            self.mark_needed(goals);
+            self.all_needed = targets.is_empty();
+        }
+        let mut evaluation = Evaluation {
+            undo: Vec::new(),
+            undo_outputs: Vec::new(),
+            reports: Vec::new(),
+            files: Files::new(),
+            log: self.events.len(),
+        };
         let dirty_before = self.fill_queue();
         let meter = Meter { tell: control.on_progress, state: Mutex::new(self.expected(control)) };
         let mut level = Vec::new();
@@ -226,13 +229,22 @@ impl Session {
         if jobs.is_empty() {
             return true;
         }
-        let order: Vec<(u32, u128)> = jobs.iter().map(|j| (j.node, j.key)).collect();
-        let outcomes = self.run_jobs(jobs, cancel, meter);
-        if cancel.load(Ordering::Relaxed) || outcomes.iter().any(|(o, _)| o.cancelled) {
-            // A node that gives up although nobody asked it to has failed; `commit` says so.
+        if jobs.len() == 1
+            && let Some(job) = jobs.pop_if(|j| self.is_tiny(j.node as usize))
+        {
+            let (n, key) = (job.node, job.key);
+            let (outcome, time) = self.run_job(job, false, cancel, meter);
             if cancel.load(Ordering::Relaxed) {
                 return false;
             }
+            meter.finish(self.weight(n as usize));
+            self.commit(n, key, outcome, time, e);
+            return true;
+        }
+        let order: Vec<(u32, u128)> = jobs.iter().map(|j| (j.node, j.key)).collect();
+        let outcomes = self.run_jobs(jobs, cancel, meter);
+        if cancel.load(Ordering::Relaxed) {
+            return false;
         }
         for ((n, key), (outcome, time)) in order.into_iter().zip(outcomes) {
             meter.finish(self.weight(n as usize));
@@ -246,7 +258,7 @@ impl Session {
         let i = n as usize;
         let id = self.plan.ids[i].clone();
         if self.plan.nodes[i].state == NodeState::Disabled {
-            self.publish(n, NodeRun { status: Status::Disabled, ..NodeRun::default() }, Box::default(), e);
+            self.publish(n, NodeRun { status: Status::Disabled, ..NodeRun::default() }, &[], e);
             self.note(n, Happened::Disabled, Duration::ZERO, e);
             return None;
         }
@@ -254,15 +266,15 @@ impl Session {
         if self.plan.nodes[i].state == NodeState::Frozen && run.status == Status::Good && run.present {
             // It may come from an earlier document, so those behind it have not seen it yet: commit it as it is.
             let kept = self.nodes[i].clone();
-            let outputs = self.outputs(i).iter().flatten().cloned().collect();
-            self.publish(n, kept, outputs, e);
+            let outputs: Vec<Tree> = self.outputs(i).iter().flatten().cloned().collect();
+            self.publish(n, kept, &outputs, e);
             self.note(n, Happened::Frozen, Duration::ZERO, e);
             return None;
         }
         if !self.plan.is_sound(i) {
             let unknown = self.plan.node_type(i).is_none();
             let status = if unknown { Status::Blocked } else { Status::Failed };
-            self.publish(n, NodeRun { status, blocked_by: n, ..NodeRun::default() }, Box::default(), e);
+            self.publish(n, NodeRun { status, blocked_by: n, ..NodeRun::default() }, &[], e);
             self.note(n, if unknown { Happened::Blocked } else { Happened::Failed }, Duration::ZERO, e);
             self.events.push(if unknown { Event::Blocked(id.clone(), id) } else { Event::Failed(id) });
             return None;
@@ -271,7 +283,7 @@ impl Session {
             self.publish(
                 n,
                 NodeRun { status: Status::Blocked, blocked_by: by, ..NodeRun::default() },
-                Box::default(),
+                &[],
                 e,
             );
             self.note(n, Happened::Blocked, Duration::ZERO, e);
@@ -279,7 +291,7 @@ impl Session {
             return None;
         }
         if self.plan.missing(i).next().is_some() {
-            self.publish(n, NodeRun { status: Status::Failed, blocked_by: n, ..NodeRun::default() }, Box::default(), e);
+            self.publish(n, NodeRun { status: Status::Failed, blocked_by: n, ..NodeRun::default() }, &[], e);
             self.note(n, Happened::Failed, Duration::ZERO, e);
             self.events.push(Event::Failed(id));
             return None;
@@ -302,7 +314,7 @@ impl Session {
             let (outputs, reports, failed) = (entry.outputs.clone(), entry.reports.clone(), entry.failed);
             let status = if failed { Status::Failed } else { Status::Good };
             self.events.push(Event::MemoHit(id));
-            self.publish(n, NodeRun { key, reports, status, blocked_by: n, ..NodeRun::default() }, outputs, e);
+            self.publish(n, NodeRun { key, reports, status, blocked_by: n, ..NodeRun::default() }, &outputs, e);
             self.note(n, if failed { Happened::Failed } else { Happened::Memo }, Duration::ZERO, e);
             return None;
         }
@@ -332,18 +344,16 @@ impl Session {
 
     /// Queues the sources whose values were dropped from memory, and the node behind them again; false if all are there.
     fn fetch_missing(&mut self, n: u32) -> bool {
-        let mut any = false;
-        let sources: Vec<u32> =
-            self.plan.predecessors(n as usize).filter(|p| !self.nodes[*p as usize].present).collect();
-        for p in sources {
-            any = true;
+        if self.plan.predecessors(n as usize).all(|p| self.nodes[p as usize].present) {
+            return false;
+        }
+        let gone = self.plan.predecessors(n as usize).filter(|p| !self.nodes[*p as usize].present);
+        for p in gone.collect::<Vec<u32>>() {
             self.nodes[p as usize].wanted = true;
             self.queue.push(p, self.plan.nodes[p as usize].height);
         }
-        if any {
-            self.queue.push(n, self.plan.nodes[n as usize].height);
-        }
-        any
+        self.queue.push(n, self.plan.nodes[n as usize].height);
+        true
     }
 
     fn read_files(&self, i: usize, e: &mut Evaluation) -> Vec<(usize, Vec<Vec<FileRead>>)> {
@@ -358,13 +368,8 @@ impl Session {
     }
 
     fn run_jobs(&self, jobs: Vec<Job>, cancel: &AtomicBool, meter: &Meter<'_>) -> Vec<(Outcome, Duration)> {
-        let tiny = |j: &Job| {
-            let cost = self.costs[self.plan.nodes[j.node as usize].node_type as usize];
-            cost > 0.0 && cost < TINY && self.bytes_into(j.node as usize) < TINY_BYTES
-        };
-        let all_tiny = jobs.iter().all(tiny);
-        let work = jobs.len() as f64 * TINY;
-        if all_tiny && (jobs.len() == 1 || work < 10.0 * TINY) {
+        let expected: f64 = jobs.iter().map(|j| self.weight(j.node as usize)).sum();
+        if expected < 10.0 * TINY && jobs.iter().all(|j| self.is_tiny(j.node as usize)) {
             return jobs.into_iter().map(|j| self.run_job(j, false, cancel, meter)).collect();
         }
         let slow = jobs.iter().any(|j| self.plan.node_type(j.node as usize).is_some_and(|t| t.slow));
@@ -379,6 +384,12 @@ impl Session {
             Some(pool) => pool.install(run),
             None => run(),
         }
+    }
+
+    /// Known to take so little time that it is not worth a thread pool's attention.
+    fn is_tiny(&self, i: usize) -> bool {
+        let cost = self.costs.get(self.plan.nodes[i].node_type as usize).copied().unwrap_or(0.0);
+        cost > 0.0 && cost < TINY && self.bytes_into(i) < TINY_BYTES
     }
 
     fn bytes_into(&self, i: usize) -> usize {
@@ -435,20 +446,19 @@ impl Session {
         let outputs = outcome.outputs.into_boxed_slice();
         let id = self.plan.ids[i].clone();
         let status = if outcome.failed { Status::Failed } else { Status::Good };
-        if !outcome.panicked {
-            self.memo.put(key, outputs.clone(), reports.clone(), outcome.failed, time.as_nanos() as u64);
-        }
         self.events.push(if outcome.failed { Event::Failed(id.clone()) } else { Event::Executed(id.clone()) });
-        let changed =
-            self.publish(n, NodeRun { key, reports, status, blocked_by: n, ..NodeRun::default() }, outputs, e);
-        if !changed {
+        let run = NodeRun { key, reports: reports.clone(), status, blocked_by: n, ..NodeRun::default() };
+        if !self.publish(n, run, &outputs, e) {
             self.events.push(Event::CutOff(id));
+        }
+        if !outcome.panicked {
+            self.memo.put(key, outputs, reports, outcome.failed, time.as_nanos() as u64);
         }
         self.note(n, if outcome.failed { Happened::Failed } else { Happened::Executed }, time, e);
     }
 
     /// Puts a node's new result in place and wakes its successors if it is another than before.
-    fn publish(&mut self, n: u32, mut run: NodeRun, outputs: Box<[Tree]>, e: &mut Evaluation) -> bool {
+    fn publish(&mut self, n: u32, mut run: NodeRun, outputs: &[Tree], e: &mut Evaluation) -> bool {
         let i = n as usize;
         let (from, count) = (self.plan.nodes[i].outputs as usize, self.plan.nodes[i].output_count as usize);
         let old = &self.nodes[i];
@@ -458,15 +468,12 @@ impl Session {
             old.status != run.status || (run.status == Status::Blocked && old.blocked_by != run.blocked_by);
         // A frozen node brought over from another document has not been seen by anybody.
         changed |= self.plan.nodes[i].state == NodeState::Frozen && old.dirty;
-        let mut values = Vec::with_capacity(count);
-        let mut digests = Vec::with_capacity(count);
-        let mut new = outputs.into_vec().into_iter();
-        for o in from..from + count {
-            let tree = new.next();
+        for o in 0..count {
+            let tree = outputs.get(o).cloned();
             let digest = tree.as_ref().map_or(0, Tree::digest);
-            changed |= digest != self.digests[o];
-            values.push(std::mem::replace(&mut self.values[o], tree));
-            digests.push(std::mem::replace(&mut self.digests[o], digest));
+            changed |= digest != self.digests[from + o];
+            let old = std::mem::replace(&mut self.values[from + o], tree);
+            e.undo_outputs.push((old, std::mem::replace(&mut self.digests[from + o], digest)));
         }
         if run.reports.is_some() || run.status != Status::Good {
             self.vocal.insert(n);
@@ -474,7 +481,7 @@ impl Session {
             self.vocal.remove(&n);
         }
         let old = std::mem::replace(&mut self.nodes[i], run);
-        e.undo.push(Undo { node: n, run: old, values, digests });
+        e.undo.push((n, old));
         if changed {
             for at in 0..self.plan.successors(i).len() {
                 let s = self.plan.successors(i)[at];
@@ -511,20 +518,21 @@ impl Session {
     fn take_back(&mut self, e: Evaluation, dirty_before: Vec<u32>) {
         let mut again = dirty_before;
         self.queue.drain(&mut again);
-        for undo in e.undo.into_iter().rev() {
-            let i = undo.node as usize;
-            let from = self.plan.nodes[i].outputs as usize;
-            for (o, (value, digest)) in undo.values.into_iter().zip(undo.digests).enumerate() {
+        let mut outputs = e.undo_outputs;
+        for (n, run) in e.undo.into_iter().rev() {
+            let i = n as usize;
+            let (from, count) = (self.plan.nodes[i].outputs as usize, self.plan.nodes[i].output_count as usize);
+            for (o, (value, digest)) in outputs.drain(outputs.len() - count..).enumerate() {
                 self.values[from + o] = value;
                 self.digests[from + o] = digest;
             }
-            if undo.run.reports.is_some() || !matches!(undo.run.status, Status::Good | Status::New) {
-                self.vocal.insert(undo.node);
+            if run.reports.is_some() || !matches!(run.status, Status::Good | Status::New) {
+                self.vocal.insert(n);
             } else {
-                self.vocal.remove(&undo.node);
+                self.vocal.remove(&n);
             }
-            self.nodes[i] = undo.run;
-            again.push(undo.node);
+            self.nodes[i] = run;
+            again.push(n);
         }
         // Some of these were made dirty by changes that are taken back: looking at them once more costs little.
         again.extend((0..self.nodes.len() as u32).filter(|n| self.nodes[*n as usize].dirty));

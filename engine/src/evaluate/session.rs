@@ -94,6 +94,8 @@ pub struct Session {
     pub(crate) vocal: BTreeSet<u32>,
     /// What `needed` was computed for.
     pub(crate) goals: Option<Vec<u32>>,
+    /// The goals are those of an evaluation without targets.
+    pub(crate) all_needed: bool,
     /// Nodes with file inputs: their files are looked at in every evaluation.
     pub(crate) readers: Vec<u32>,
     /// Mean nanoseconds per run by node type of the plan; 0: not known yet.
@@ -116,6 +118,7 @@ impl Session {
             dirty: Vec::new(),
             vocal: BTreeSet::new(),
             goals: None,
+            all_needed: false,
             readers: Vec::new(),
             costs: Vec::new(),
             registry,
@@ -139,6 +142,7 @@ impl Session {
         self.dirty = (0..count as u32).collect();
         self.vocal.clear();
         self.goals = None;
+        self.all_needed = false;
         self.readers = (0..count as u32).filter(|n| self.plan.nodes[*n as usize].has_files).collect();
         self.costs = vec![0.0; self.plan.types.len()];
     }

@@ -59,7 +59,11 @@ impl Tree {
     /// One branch at `{0}`.
     #[must_use]
     pub fn column(column: Column) -> Self {
-        Self::sorted(Arc::new([(Path::root(), column)]))
+        Self::branch(Path::root(), column)
+    }
+
+    pub(crate) fn branch(path: Path, column: Column) -> Self {
+        Self::sorted(Arc::new([(path, column)]))
     }
 
     /// Branches in any order; branches of the same path are joined in the order given (if their types differ, the first stays).
