@@ -13,7 +13,7 @@ mod value;
 pub use call::{Call, Monitor};
 pub use diagnostic::{Diagnostic, Fail, Severity, nearest};
 pub use document::{
-    DEFAULT_SIZE_LIMIT, DEPTH_LIMIT, Document, InterfaceInput, InterfaceOutput, Node, NodeState, TreeOp, Wires,
+    DEFAULT_SIZE_LIMIT, DEPTH_LIMIT, Document, Fields, InterfaceInput, InterfaceOutput, Node, NodeState, TreeOp, Wires,
 };
 pub use evaluate::matching::Matching;
 pub use evaluate::report::{Control, Event, Happened, NodeReport, Progress, Report};

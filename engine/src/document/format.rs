@@ -105,11 +105,11 @@ fn node_text(node: &Node) -> String {
     block.insert("type".into(), quoted(&node.type_name));
     block.insert("v".into(), node.version.to_string());
     if !node.params.is_empty() {
-        let params = node.params.iter().map(|(k, v)| (k.clone(), value_text(v, 4))).collect();
+        let params: Block = node.params.iter().map(|(k, v)| (k.clone(), value_text(v, 4))).collect();
         block.insert("params".into(), block_text(&params, 3));
     }
     if !node.inputs.is_empty() {
-        let inputs = node.inputs.iter().map(|(k, v)| (k.clone(), wires_text(v))).collect();
+        let inputs: Block = node.inputs.iter().map(|(k, v)| (k.clone(), wires_text(v))).collect();
         block.insert("inputs".into(), block_text(&inputs, 3));
     }
     if let Some(matching) = node.matching {

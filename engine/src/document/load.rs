@@ -1,6 +1,7 @@
 //! Reading the file. Size and nesting are looked at before anything is parsed, so that garbage costs no memory and
 //! no stack; every refusal says line and column.
 
+use super::fields::Fields;
 use super::model::{
     Document, InterfaceInput, InterfaceOutput, Node, NodeState, Raw, TreeOp, Wires, split_port, valid_id,
 };
@@ -359,11 +360,11 @@ impl<'a> Loader<'a> {
         let params = match map.remove("params") {
             Some(raw) => {
                 let map = self.object(raw.get(), &format!("\"params\" of {what}"));
-                self.rest(map)
+                map.into_iter().map(|(k, v)| (k, self.json(v))).collect()
             }
-            None => BTreeMap::new(),
+            None => Fields::new(),
         };
-        let mut inputs = BTreeMap::new();
+        let mut inputs = Fields::new();
         if let Some(raw) = map.remove("inputs") {
             for (port, raw) in self.object(raw.get(), &format!("\"inputs\" of {what}")) {
                 let wires = self.wires(raw, &format!("input \"{port}\" of {what}"));

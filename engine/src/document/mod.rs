@@ -1,9 +1,11 @@
 //! The document: nodes by id, literals by parameter, wires by port; and the file it lives in.
 
+pub(crate) mod fields;
 pub(crate) mod format;
 pub(crate) mod load;
 pub(crate) mod model;
 pub(crate) mod validate;
 
+pub use fields::Fields;
 pub use load::{DEFAULT_SIZE_LIMIT, DEPTH_LIMIT};
 pub use model::{Document, InterfaceInput, InterfaceOutput, Node, NodeState, TreeOp, Wires};

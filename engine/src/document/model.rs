@@ -1,5 +1,6 @@
 //! The document in memory. Everything that the file says is kept, also what this version does not understand.
 
+use super::fields::Fields;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::matching::Matching;
 use crate::value::Json;
@@ -126,9 +127,9 @@ pub struct Node {
     /// Version of the node type that the file was written for.
     pub version: u32,
     /// Literals by port.
-    pub params: BTreeMap<String, Json>,
+    pub params: Fields<Json>,
     /// Wires by port.
-    pub inputs: BTreeMap<String, Wires>,
+    pub inputs: Fields<Wires>,
     /// How lists of different lengths meet.
     pub matching: Option<Matching>,
     /// On, frozen or disabled.
@@ -167,7 +168,13 @@ impl Node {
     /// Adds a wire from `source` (`node.port`).
     #[must_use]
     pub fn wire(mut self, port: impl Into<String>, source: impl Into<String>) -> Self {
-        self.inputs.entry(port.into()).or_default().from.push(source.into());
+        let port = port.into();
+        match self.inputs.get_mut(&port) {
+            Some(wires) => wires.from.push(source.into()),
+            None => {
+                self.inputs.insert(port, Wires { from: vec![source.into()], ..Wires::default() });
+            }
+        }
         self
     }
 }

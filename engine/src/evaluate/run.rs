@@ -176,10 +176,12 @@ impl Session {
             }
         }
         // A goal whose value was dropped must be made again even if nothing changed.
-        for n in self.goals.iter().flatten() {
-            let node = &self.nodes[*n as usize];
-            if node.status == Status::Good && !node.present {
-                self.queue.push(*n, self.plan.nodes[*n as usize].height);
+        if self.evicted {
+            for n in self.goals.iter().flatten() {
+                let node = &self.nodes[*n as usize];
+                if node.status == Status::Good && !node.present {
+                    self.queue.push(*n, self.plan.nodes[*n as usize].height);
+                }
             }
         }
         before
@@ -280,12 +282,7 @@ impl Session {
             return None;
         }
         if let Some(by) = self.blocked_by(i) {
-            self.publish(
-                n,
-                NodeRun { status: Status::Blocked, blocked_by: by, ..NodeRun::default() },
-                &[],
-                e,
-            );
+            self.publish(n, NodeRun { status: Status::Blocked, blocked_by: by, ..NodeRun::default() }, &[], e);
             self.note(n, Happened::Blocked, Duration::ZERO, e);
             self.events.push(Event::Blocked(id, self.plan.ids[by as usize].clone()));
             return None;
@@ -556,6 +553,7 @@ impl Session {
             if !run.present || goal || frozen || self.plan.nodes[i].output_count == 0 || self.memo.contains(run.key) {
                 continue;
             }
+            self.evicted = true;
             self.nodes[i].present = false;
             self.nodes[i].wanted = false;
             let node = &self.plan.nodes[i];

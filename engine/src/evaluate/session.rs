@@ -96,6 +96,8 @@ pub struct Session {
     pub(crate) goals: Option<Vec<u32>>,
     /// The goals are those of an evaluation without targets.
     pub(crate) all_needed: bool,
+    /// Some value was dropped at some time, so goals may lack theirs.
+    pub(crate) evicted: bool,
     /// Nodes with file inputs: their files are looked at in every evaluation.
     pub(crate) readers: Vec<u32>,
     /// Mean nanoseconds per run by node type of the plan; 0: not known yet.
@@ -119,6 +121,7 @@ impl Session {
             vocal: BTreeSet::new(),
             goals: None,
             all_needed: false,
+            evicted: false,
             readers: Vec::new(),
             costs: Vec::new(),
             registry,
