@@ -16,7 +16,7 @@ pub(super) fn node() -> NodeType {
         .input(Port::item::<V<ToolPaths>>("paths").doc("Tool paths of all boards."))
         .input(Port::item::<V<PartSet>>("parts").doc("The parts, for their addresses."))
         .input(Port::item::<V<MachineFile>>("machine").doc("The machine with its words."))
-        .input(Port::item::<Text>("name").default("board").doc("Programs are called name-1, name-2, …"))
+        .input(Port::item::<Text>("name").default("board").doc("Programs are called name-1, name-2 and so on."))
         .output(Port::list::<Program>("programs").doc("One program per board, not yet proven."))
         .run(|c| {
             let machine = c.item::<V<MachineFile>>("machine")?;
