@@ -3,8 +3,8 @@
 use crate::common::{run, run_on, shell, told, wire};
 use serde_json::{Value, json};
 use std::collections::HashMap;
-use tenon_nodes::value::V;
 use tenon_geometry::panel::PanelSet;
+use tenon_nodes::value::V;
 
 /// The shell with one parameter set.
 fn with(node: &str, port: &str, value: Value) -> Value {
@@ -28,7 +28,11 @@ fn mesh_graph(mesh: Value, order: bool) -> Value {
 #[test]
 fn the_good_shell_passes() {
     let (session, report) = run(&shell(), &["gcode.files", "prove.report"]);
-    assert!(report.diagnostics.iter().all(|d| d.severity != tenon_engine::Severity::Error), "{:#?}", report.diagnostics);
+    assert!(
+        report.diagnostics.iter().all(|d| d.severity != tenon_engine::Severity::Error),
+        "{:#?}",
+        report.diagnostics
+    );
     assert!(session.files().iter().all(|(_, f)| f.withheld.is_none() && f.name.ends_with(".ngc")));
 }
 
@@ -70,7 +74,8 @@ fn coordinates_that_are_no_numbers_are_refused() {
         let d = told(&report, "bad-obj");
         assert!(d.message.contains("line 3") && d.message.contains("bad.obj"), "{d}");
     }
-    let (_, report) = run(&with("arc", "points", json!([[0, 0, 0], [1e308, 0, 0], [-1e308, 0, 1e308]])), &["surface.mesh"]);
+    let (_, report) =
+        run(&with("arc", "points", json!([[0, 0, 0], [1e308, 0, 0], [-1e308, 0, 1e308]])), &["surface.mesh"]);
     assert!(report.has_errors() || report.nodes.iter().all(|n| n.happened.as_str() != "failed"));
 }
 
@@ -124,7 +129,8 @@ fn a_thickness_that_flips_a_face_names_the_largest_that_works() {
     let (_, report) = run(&with("thicken", "thickness", json!(400)), &["thicken.panels"]);
     let d = told(&report, "thickness-flips-face");
     assert_eq!(d.port.as_deref(), Some("thickness"));
-    let largest: f64 = d.message.split("a thickness below ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let largest: f64 =
+        d.message.split("a thickness below ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     let index = d.item.unwrap();
     let survives = |thickness: f64| {
         let (session, _) = run(&with("thicken", "thickness", json!(thickness)), &["thicken.panels"]);
@@ -144,7 +150,8 @@ fn edges_too_short_for_fasteners_are_reported() {
 #[test]
 fn holes_out_of_reach_are_refused_or_left_to_the_hand() {
     let mut graph = shell();
-    graph["nodes"]["screws"]["params"] = json!({ "kind": "screw", "diameter": 3.5, "length": 25, "depth": 15, "cover": 0.5 });
+    graph["nodes"]["screws"]["params"] =
+        json!({ "kind": "screw", "diameter": 3.5, "length": 25, "depth": 15, "cover": 0.5 });
     let (_, report) = run(&graph, &["screws.features"]);
     let d = told(&report, "feature-out-of-reach");
     assert!(d.message.contains('°') && d.severity == tenon_engine::Severity::Error, "{d}");
@@ -161,7 +168,8 @@ fn a_part_larger_than_the_board_is_left_out_alone() {
     let d = told(&report, "part-larger-than-board");
     assert!(d.message.contains("the usable board is 290.0") && d.item.is_some(), "{d}");
     let left_out = report.diagnostics.iter().filter(|d| d.code == "part-larger-than-board").count();
-    let layout = session.value("pack.layout").and_then(|t| t.first::<V<tenon_geometry::board::Layout>>().cloned()).unwrap();
+    let layout =
+        session.value("pack.layout").and_then(|t| t.first::<V<tenon_geometry::board::Layout>>().cloned()).unwrap();
     assert!(left_out > 0 && left_out < 16 && layout.placements.len() == 16 - left_out, "{left_out} left out");
 }
 
@@ -184,20 +192,26 @@ fn on_machine(files: HashMap<&'static str, Vec<u8>>, thickness: f64) -> tenon_en
 #[test]
 fn tools_too_short_too_long_or_too_thick_are_named() {
     let short = machine(|_| (), |t| t["cutting_length"] = json!(6.0));
-    assert!(told(&on_machine(short, 10.0), "tool-too-short").message.contains("cutting length"));
+    assert!(told(&on_machine(short, 10.0), "tool-too-short").message.contains("it cuts 6.0 mm of its length"));
 
-    let long = machine(|_| (), |t| {
-        t["length"] = json!(1195.0);
-        t["holder"] = json!([{ "from": 1195.0, "to": 1230.0, "radius_from": 20.0, "radius_to": 20.0 }]);
-    });
+    let long = machine(
+        |_| (),
+        |t| {
+            t["length"] = json!(1195.0);
+            t["holder"] = json!([{ "from": 1195.0, "to": 1230.0, "radius_from": 20.0, "radius_to": 20.0 }]);
+        },
+    );
     let report = on_machine(long, 10.0);
     assert!(report.has_errors(), "a tool of 1195 mm fits under a portal of 1181 mm");
 
-    let thick = machine(|_| (), |t| {
-        t["diameter"] = json!(140.0);
-        t["shank_diameter"] = json!(140.0);
-        t["holder"] = json!([{ "from": 95.0, "to": 170.0, "radius_from": 75.0, "radius_to": 75.0 }]);
-    });
+    let thick = machine(
+        |_| (),
+        |t| {
+            t["diameter"] = json!(140.0);
+            t["shank_diameter"] = json!(140.0);
+            t["holder"] = json!([{ "from": 95.0, "to": 170.0, "radius_from": 75.0, "radius_to": 75.0 }]);
+        },
+    );
     let report = on_machine(thick, 10.0);
     let d = told(&report, "below-sacrificial-layer");
     assert!(d.message.contains('°') && d.message.contains("mm"), "{d}");
@@ -205,7 +219,13 @@ fn tools_too_short_too_long_or_too_thick_are_named() {
 
 #[test]
 fn axis_limits_name_axis_and_excess() {
-    let tilt = machine(|m| { m["secondary"]["min"] = json!(-2.0); m["secondary"]["max"] = json!(2.0); }, |_| ());
+    let tilt = machine(
+        |m| {
+            m["secondary"]["min"] = json!(-2.0);
+            m["secondary"]["max"] = json!(2.0);
+        },
+        |_| (),
+    );
     let report = on_machine(tilt, 10.0);
     assert!(told(&report, "axis-limit").message.contains('B'), "{:#?}", report.diagnostics);
     let travel = machine(|m| m["linear"][0]["max"] = json!(120.0), |_| ());
@@ -234,12 +254,17 @@ fn one_bad_face_among_256_leaves_255_panels_and_one_named_error() {
     // Corner 0 of face 0 moves inside the face: only that one face becomes concave.
     points[0] = json!([70.0, 70.0, 0.0]);
     let at = |i: usize, j: usize| j * (n + 1) + i;
-    let faces: Vec<Value> =
-        (0..n * n).map(|f| (f % n, f / n)).map(|(i, j)| json!([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)])).collect();
+    let faces: Vec<Value> = (0..n * n)
+        .map(|f| (f % n, f / n))
+        .map(|(i, j)| json!([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]))
+        .collect();
     let (session, report) = run(&mesh_graph(json!({ "points": points, "faces": faces }), false), &["thicken.panels"]);
     let errors: Vec<_> = report.diagnostics.iter().filter(|d| d.severity == tenon_engine::Severity::Error).collect();
     assert_eq!(errors.len(), 1, "{errors:#?}");
-    assert_eq!((errors[0].code.as_ref(), errors[0].item, errors[0].node.as_deref()), ("face-concave", Some(0), Some("thicken")));
+    assert_eq!(
+        (errors[0].code.as_ref(), errors[0].item, errors[0].node.as_deref()),
+        ("face-concave", Some(0), Some("thicken"))
+    );
     let set = session.value("thicken.panels").and_then(|t| t.first::<V<PanelSet>>().cloned()).unwrap();
     assert_eq!((set.len(), (0..set.len()).filter(|i| set.is_valid(*i)).count(), set.is_valid(0)), (256, 255, false));
 }

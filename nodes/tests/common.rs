@@ -46,7 +46,12 @@ pub fn shell() -> Value {
 }
 
 /// Runs a graph on `threads` threads up to `targets`.
-pub fn run_on(graph: &Value, targets: &[&str], threads: usize, files: HashMap<&'static str, Vec<u8>>) -> (Session, Report) {
+pub fn run_on(
+    graph: &Value,
+    targets: &[&str],
+    threads: usize,
+    files: HashMap<&'static str, Vec<u8>>,
+) -> (Session, Report) {
     let document = Document::from_slice(graph.to_string().as_bytes()).unwrap();
     let host = Arc::new(Files(files));
     let options = Options { threads, host, ..Options::default() };

@@ -1,6 +1,7 @@
 //! Whole chains through the nodes.
 
 mod bad_input;
+mod chain;
 mod common;
 mod registry;
 mod same_bytes;

@@ -22,9 +22,34 @@ fn every_node_and_port_is_documented() {
 fn the_nodes_of_the_chain_are_there() {
     let registry = tenon_nodes::registry();
     for name in [
-        "ifs_curve", "vector_sum", "tensor_product", "planarize", "order_faces", "thicken", "detail", "map", "pack",
-        "toolpath", "post", "prove", "number", "integer", "text", "boolean", "point", "vector", "plane", "list", "range",
-        "series", "read_mesh", "write_obj", "write_dxf", "write_svg", "write_pieces", "write_gcode",
+        "ifs_curve",
+        "vector_sum",
+        "tensor_product",
+        "planarize",
+        "order_faces",
+        "thicken",
+        "detail",
+        "map",
+        "pack",
+        "toolpath",
+        "post",
+        "prove",
+        "number",
+        "integer",
+        "text",
+        "boolean",
+        "point",
+        "vector",
+        "plane",
+        "list",
+        "range",
+        "series",
+        "read_mesh",
+        "write_obj",
+        "write_dxf",
+        "write_svg",
+        "write_pieces",
+        "write_gcode",
     ] {
         assert!(registry.get(name).is_some(), "{name} is missing");
     }

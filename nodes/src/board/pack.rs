@@ -38,7 +38,8 @@ fn run(c: &mut Call) -> Result<(), Fail> {
     let (parts, machine, machining) =
         (c.item::<V<PartSet>>("parts")?, c.item::<V<MachineFile>>("machine")?, c.item::<V<PathParams>>("machining")?);
     let monitor = c.monitor();
-    let paths = cut_parts(parts, &machine.machine, machining, &|f| monitor.progress(0.2 * f)).map_err(|e| path_fail(&e))?;
+    let paths =
+        cut_parts(parts, &machine.machine, machining, &|f| monitor.progress(0.2 * f)).map_err(|e| path_fail(&e))?;
     for issue in paths.issues.iter().filter(|i| matches!(i.place, Place::Facet(_))) {
         c.report(issue_fail(issue));
     }
@@ -61,7 +62,8 @@ fn run(c: &mut Call) -> Result<(), Fail> {
         c.report(pack_fail(error));
     }
     let layout = packed.layout;
-    let used: f64 = layout.placements.iter().map(|p| tenon_geometry::board::convex::area(&layout.piece[p.part as usize])).sum();
+    let used: f64 =
+        layout.placements.iter().map(|p| tenon_geometry::board::convex::area(&layout.piece[p.part as usize])).sum();
     let area = f64::from(layout.boards) * board.size.x * board.size.y;
     c.set("boards", i64::from(layout.boards));
     c.set("use", if area > 0.0 { used / area } else { 0.0 });

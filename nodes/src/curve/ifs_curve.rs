@@ -14,19 +14,55 @@ pub(super) fn node() -> NodeType {
              Moving a control point keeps the transformations; moving a subdivision point rewrites them. (000 §4, §5)",
         )
         .keywords(&["fractal", "bezier", "spline", "takagi", "koch", "levy", "dragon", "cantor", "IFS"])
-        .input(Port::list::<Point>("points").doc("Control points; several patches follow one another and share their ends."))
+        .input(
+            Port::list::<Point>("points")
+                .doc("Control points; several patches follow one another and share their ends."),
+        )
         .input(Port::list::<f64>("weights").optional().doc("One weight per control point; without any all are 1."));
     scheme::ports(node, "")
-        .input(Port::list::<Point>("subdivision_points").optional().doc("Places of subdivision points: of all, or of those named in subdivision_numbers."))
-        .input(Port::list::<i64>("subdivision_numbers").optional().doc("Which subdivision points are moved, counting from 1: s1 is the first column of T1."))
-        .input(Port::list::<f64>("germ").optional().doc("Columns of the germ in barycentric coordinates; without it the scheme's own."))
-        .input(Port::item::<i64>("iterations").unit(Unit::Count).range(0.0, f64::from(MAX_ITERATIONS)).default(4).doc("How often the transformations are applied."))
-        .input(Port::item::<i64>("shared").unit(Unit::Count).range(-1.0, 1000.0).default(-1).doc("Control points that neighbouring patches share; -1: the scheme's own number."))
+        .input(
+            Port::list::<Point>("subdivision_points")
+                .optional()
+                .doc("Places of subdivision points: of all, or of those named in subdivision_numbers."),
+        )
+        .input(
+            Port::list::<i64>("subdivision_numbers")
+                .optional()
+                .doc("Which subdivision points are moved, counting from 1: s1 is the first column of T1."),
+        )
+        .input(
+            Port::list::<f64>("germ")
+                .optional()
+                .doc("Columns of the germ in barycentric coordinates; without it the scheme's own."),
+        )
+        .input(
+            Port::item::<i64>("iterations")
+                .unit(Unit::Count)
+                .range(0.0, f64::from(MAX_ITERATIONS))
+                .default(4)
+                .doc("How often the transformations are applied."),
+        )
+        .input(
+            Port::item::<i64>("shared")
+                .unit(Unit::Count)
+                .range(-1.0, 1000.0)
+                .default(-1)
+                .doc("Control points that neighbouring patches share; -1: the scheme's own number."),
+        )
         .input(Port::item::<bool>("closed").default(false).doc("Whether the control points go round."))
-        .input(Port::item::<f64>("tolerance").unit(Unit::Length).range(0.0, 1e3).default(1e-6).doc("Distance within which patches meet and points are reached."))
+        .input(
+            Port::item::<f64>("tolerance")
+                .unit(Unit::Length)
+                .range(0.0, 1e3)
+                .default(1e-6)
+                .doc("Distance within which patches meet and points are reached."),
+        )
         .output(Port::item::<V<Curve>>("curve").doc("The curve in homogeneous coordinates."))
         .output(Port::list::<Point>("points").doc("Its points in space."))
-        .output(Port::item::<V<SegmentNames>>("addresses").doc("Names of its segments: the words of transformations that made them."))
+        .output(
+            Port::item::<V<SegmentNames>>("addresses")
+                .doc("Names of its segments: the words of transformations that made them."),
+        )
         .run(run)
 }
 
@@ -46,7 +82,8 @@ fn run(c: &mut Call) -> Result<(), Fail> {
         scheme = scheme.with_germ(germ.to_vec()).map_err(|e| scheme::scheme_fail(&e, "germ"))?;
     }
     let shared = usize::try_from(c.integer("shared")?).unwrap_or(chosen.shared);
-    let patches = patches(&control, scheme.control_count(), shared, c.boolean("closed")?).map_err(|e| curve_fail(&e))?;
+    let patches =
+        patches(&control, scheme.control_count(), shared, c.boolean("closed")?).map_err(|e| curve_fail(&e))?;
     let monitor = c.monitor();
     let curve = iterate(&scheme, &patches, c.integer("iterations")? as u32, tolerance, &|f| monitor.progress(f))
         .map_err(|e| curve_fail(&e))?;

@@ -16,9 +16,13 @@ pub(crate) fn nodes() -> Vec<NodeType> {
 fn curve_fail(error: &CurveError) -> Fail {
     let (code, port) = match error {
         CurveError::Cancelled => return Fail::cancelled(),
-        CurveError::Empty | CurveError::OnePoint | CurveError::TooFewPoints { .. } => ("curve-too-few-points", "points"),
+        CurveError::Empty | CurveError::OnePoint | CurveError::TooFewPoints { .. } => {
+            ("curve-too-few-points", "points")
+        }
         CurveError::NotFinite { .. } => ("not-finite", "points"),
-        CurveError::WeightSum { .. } | CurveError::Weight { .. } | CurveError::WeightJump { .. } => ("curve-weight", "weights"),
+        CurveError::WeightSum { .. } | CurveError::Weight { .. } | CurveError::WeightJump { .. } => {
+            ("curve-weight", "weights")
+        }
         CurveError::Gap { .. } => ("curve-gap", "points"),
         CurveError::TooManySegments { .. } => ("curve-too-long", "iterations"),
         _ => ("curve-wrong", "points"),

@@ -72,8 +72,11 @@ pub(super) fn chosen(c: &tenon_engine::Call, suffix: &str, count: usize) -> Resu
 pub(super) fn control(c: &tenon_engine::Call, points: &str, weights: &str) -> Result<Vec<DVec4>, Fail> {
     let (p, w) = (c.list::<Point>(points)?, c.list::<f64>(weights)?);
     if !w.is_empty() && w.len() != p.len() {
-        return Err(Fail::new("weight-count", format!("{} weights for {} points; give one each, or none", w.len(), p.len()))
-            .port(weights.to_string()));
+        return Err(Fail::new(
+            "weight-count",
+            format!("{} weights for {} points; give one each, or none", w.len(), p.len()),
+        )
+        .port(weights.to_string()));
     }
     Ok(p.iter().enumerate().map(|(i, p)| homogeneous(p.0, w.get(i).copied().unwrap_or(1.0))).collect())
 }
@@ -105,7 +108,8 @@ pub(super) fn moved(
         for (place, number) in places.iter().zip(numbers) {
             let point = usize::try_from(*number).ok().filter(|n| (1..=all).contains(n));
             let point = point.ok_or_else(|| {
-                fail(format!("there is no subdivision point s{number}; they are s1 to s{all}")).port("subdivision_numbers")
+                fail(format!("there is no subdivision point s{number}; they are s1 to s{all}"))
+                    .port("subdivision_numbers")
             })?;
             moves.push(Move { point: point - 1, position: place.0, weight: None });
         }

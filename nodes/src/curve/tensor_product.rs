@@ -31,7 +31,11 @@ pub(super) fn node() -> NodeType {
                     .default(3)
                     .doc("Iterations in this direction."),
             )
-            .input(Port::item::<bool>(format!("closed{suffix}")).default(false).doc("Whether the points go round in this direction."));
+            .input(
+                Port::item::<bool>(format!("closed{suffix}"))
+                    .default(false)
+                    .doc("Whether the points go round in this direction."),
+            );
     }
     node.output(Port::item::<V<Mesh>>("mesh").doc("Quads in rows and columns, with addresses.")).run(run)
 }
@@ -42,7 +46,9 @@ fn run(c: &mut Call) -> Result<(), Fail> {
     let (grid, row_length) = if b.is_empty() {
         let row_length = c.integer("row_length")? as usize;
         if row_length == 0 {
-            return Err(Fail::new("missing-input", "a control grid needs its row length").port("row_length").hint("or wire a second control polygon to points_b"));
+            return Err(Fail::new("missing-input", "a control grid needs its row length")
+                .port("row_length")
+                .hint("or wire a second control polygon to points_b"));
         }
         (a, row_length)
     } else {

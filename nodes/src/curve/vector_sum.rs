@@ -18,12 +18,17 @@ pub(super) fn node() -> NodeType {
         .keywords(&["translation surface", "sweep", "planar quads"])
         .input(Port::item::<V<Curve>>("a").doc("First curve: columns."))
         .input(Port::item::<V<Curve>>("b").doc("Second curve: rows."))
-        .input(Port::item::<Point>("centre").default([0.0, 0.0, 0.0]).doc("The point c that is taken away: where both curves meet."))
+        .input(
+            Port::item::<Point>("centre")
+                .default([0.0, 0.0, 0.0])
+                .doc("The point c that is taken away: where both curves meet."),
+        )
         .output(Port::item::<V<Mesh>>("mesh").doc("Planar quads in rows and columns, with addresses."))
         .run(|c| {
             let (a, b) = (c.item::<V<Curve>>("a")?, c.item::<V<Curve>>("b")?);
             let monitor = c.monitor();
-            let mesh = vector_sum(a, b, c.item::<Point>("centre")?.0, &|f| monitor.progress(f)).map_err(|e| surface_fail(&e))?;
+            let mesh = vector_sum(a, b, c.item::<Point>("centre")?.0, &|f| monitor.progress(f))
+                .map_err(|e| surface_fail(&e))?;
             c.set("mesh", V::new(mesh));
             Ok(())
         })

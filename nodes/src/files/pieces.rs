@@ -14,10 +14,19 @@ pub(super) fn nodes() -> Vec<NodeType> {
             .keywords(&["csv", "json", "bill of quantities", "export"])
             .input(Port::item::<V<PartSet>>("parts").doc("The mapped parts."))
             .input(Port::item::<V<Layout>>("layout").doc("Where they lie."))
-            .input(Port::item::<Text>("format").choices(&["csv", "json"]).default("csv").doc("A table for people, or JSON with everything."))
+            .input(
+                Port::item::<Text>("format")
+                    .choices(&["csv", "json"])
+                    .default("csv")
+                    .doc("A table for people, or JSON with everything."),
+            )
             .run(|c| {
                 let (parts, layout) = (c.item::<V<PartSet>>("parts")?, c.item::<V<Layout>>("layout")?);
-                let bytes = if c.text("format")? == "json" { write_pieces_json(parts, layout) } else { write_pieces_csv(parts, layout) };
+                let bytes = if c.text("format")? == "json" {
+                    write_pieces_json(parts, layout)
+                } else {
+                    write_pieces_csv(parts, layout)
+                };
                 set_file(c, bytes.map_err(|e| Fail::new("layout-of-other-parts", e.to_string()).port("layout"))?)
             }),
         writer("write_hardware", "Write hardware list", "hardware.csv")

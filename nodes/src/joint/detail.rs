@@ -5,8 +5,8 @@ use crate::value::{V, Vector};
 use tenon_engine::{Call, Fail, NodeType, Port, Text, Unit};
 use tenon_geometry::board::Up;
 use tenon_geometry::joint::{
-    Direction, EdgeSelection, Fastener, FastenerError, FastenerRule, FeatureSet, Head, Height, JointIssue, OutOfReach, Pin,
-    PinKind, ReachRule, ShortEdge, Toe, ToeLength, check_reach, lay_fasteners,
+    Direction, EdgeSelection, Fastener, FastenerError, FastenerRule, FeatureSet, Head, Height, JointIssue, OutOfReach,
+    Pin, PinKind, ReachRule, ShortEdge, Toe, ToeLength, check_reach, lay_fasteners,
 };
 use tenon_geometry::panel::PanelSet;
 
@@ -79,7 +79,8 @@ fn run(c: &mut Call) -> Result<(), Fail> {
 fn rule(c: &Call) -> Result<FastenerRule, Fail> {
     let up = up(c)?;
     let angle = c.number("angle")?.to_radians();
-    let (hole, diameter, length, depth) = (c.number("hole")?, c.number("diameter")?, c.number("length")?, c.number("depth")?);
+    let (hole, diameter, length, depth) =
+        (c.number("hole")?, c.number("diameter")?, c.number("length")?, c.number("depth")?);
     let kind = c.text("kind")?;
     let pin_kind = if kind.ends_with("dowel") { PinKind::Dowel } else { PinKind::Screw };
     let fastener = if kind.starts_with("toe") {

@@ -14,10 +14,25 @@ pub(super) fn node() -> NodeType {
         .category("Machine")
         .doc("How contours and holes are cut; pack and toolpath must be given the same. (000 §7.3)")
         .keywords(&["strategy", "passes", "overrun", "feeds"])
-        .input(Port::item::<i64>("contour_tool").range(0.0, 1e6).default(0).doc("Number of the end mill for contours; 0: the widest one."))
+        .input(
+            Port::item::<i64>("contour_tool")
+                .range(0.0, 1e6)
+                .default(0)
+                .doc("Number of the end mill for contours; 0: the widest one."),
+        )
         .input(length("overrun", d.overrun, "How far a contour cut reaches below the part along the tool axis."))
-        .input(length("corner_overrun", d.corner_overrun, "How far a contour cut goes on beyond the ends of its chamfer."))
-        .input(Port::item::<f64>("max_step").unit(Unit::Length).range(0.01, 1e3).default(d.max_step).doc("Greatest depth of one pass."))
+        .input(length(
+            "corner_overrun",
+            d.corner_overrun,
+            "How far a contour cut goes on beyond the ends of its chamfer.",
+        ))
+        .input(
+            Port::item::<f64>("max_step")
+                .unit(Unit::Length)
+                .range(0.01, 1e3)
+                .default(d.max_step)
+                .doc("Greatest depth of one pass."),
+        )
         .input(length("clearance", d.clearance, "Distance kept above the board by approaches, holder and spindle."))
         .input(length("through", d.through, "How far through holes go into the sacrificial layer."))
         .input(length("peck", 0.0, "Greatest depth of drilling between two lifts; 0: in one go."))

@@ -16,16 +16,35 @@ pub(super) fn node() -> NodeType {
         )
         .keywords(&["address", "sort", "weld", "neighbours", "grid"])
         .input(Port::item::<V<Mesh>>("mesh").doc("The mesh, in any order."))
-        .input(Port::item::<f64>("weld").unit(Unit::Length).range(0.0, 1e6).default(1e-3).doc("Vertices within this distance are one."))
-        .input(Port::item::<Vector>("front").optional().doc("Direction that fronts should face; without it most faces decide."))
-        .input(Port::item::<Point>("start").optional().doc("Rows start at the corner nearest to this point; without it at the lowest x + y + z."))
+        .input(
+            Port::item::<f64>("weld")
+                .unit(Unit::Length)
+                .range(0.0, 1e6)
+                .default(1e-3)
+                .doc("Vertices within this distance are one."),
+        )
+        .input(
+            Port::item::<Vector>("front")
+                .optional()
+                .doc("Direction that fronts should face; without it most faces decide."),
+        )
+        .input(
+            Port::item::<Point>("start")
+                .optional()
+                .doc("Rows start at the corner nearest to this point; without it at the lowest x + y + z."),
+        )
         .output(Port::item::<V<Mesh>>("mesh").doc("The mesh in order, with addresses."))
         .output(Port::list::<Text>("kinds").doc("Per face: corner, border or centre."))
-        .output(Port::item::<Text>("order").doc("Where the addresses come from: grid, closed grid, patches, kept, or plain."))
+        .output(
+            Port::item::<Text>("order")
+                .doc("Where the addresses come from: grid, closed grid, patches, kept, or plain."),
+        )
         .run(|c| {
             let front = match c.optional::<Vector>("front") {
                 Some(v) if v.0.length_squared() == 0.0 => {
-                    return Err(Fail::new("zero-vector", "the front direction must not be the zero vector").port("front"));
+                    return Err(
+                        Fail::new("zero-vector", "the front direction must not be the zero vector").port("front")
+                    );
                 }
                 Some(v) => Front::Facing(v.0),
                 None => Front::AsGiven,
@@ -34,10 +53,26 @@ pub(super) fn node() -> NodeType {
             let params = OrderParams { weld: c.number("weld")?, front, start };
             let ordered = order_faces(c.item::<V<Mesh>>("mesh")?, &params).map_err(|e| mesh_fail(&e))?;
             if !ordered.flipped.is_empty() {
-                c.note(Fail::new("faces-turned", format!("{} faces were turned over to agree with the others", ordered.flipped.len())).port("mesh"));
+                c.note(
+                    Fail::new(
+                        "faces-turned",
+                        format!("{} faces were turned over to agree with the others", ordered.flipped.len()),
+                    )
+                    .port("mesh"),
+                );
             }
             if !ordered.collapsed.is_empty() {
-                c.warn(Fail::new("faces-collapsed", format!("welding collapsed and dropped {} faces, the first is face {}", ordered.collapsed.len(), ordered.collapsed[0])).port("weld"));
+                c.warn(
+                    Fail::new(
+                        "faces-collapsed",
+                        format!(
+                            "welding collapsed and dropped {} faces, the first is face {}",
+                            ordered.collapsed.len(),
+                            ordered.collapsed[0]
+                        ),
+                    )
+                    .port("weld"),
+                );
             }
             let order = match ordered.kind {
                 OrderKind::Kept => "kept",

@@ -4,7 +4,7 @@ use super::mesh_fail;
 use crate::value::V;
 use tenon_engine::{Call, Fail, NodeType, Port, Unit};
 use tenon_geometry::mesh::Mesh;
-use tenon_geometry::planar::{PlanarizeError, PlanarizeParams, Planarized, PlanaritySummary, Rim, planarize};
+use tenon_geometry::planar::{PlanaritySummary, PlanarizeError, PlanarizeParams, Planarized, Rim, planarize};
 
 pub(super) fn node() -> NodeType {
     let d = PlanarizeParams::default();
@@ -36,10 +36,26 @@ pub(super) fn node() -> NodeType {
         .output(Port::item::<i64>("steps").unit(Unit::Count).doc("Steps taken."));
     for (when, word) in [("before", "given"), ("after", "planarized")] {
         node = node
-            .output(Port::item::<f64>(format!("corner_{when}")).unit(Unit::Length).doc(format!("Greatest distance of a corner from the plane of the other three, {word}.")))
-            .output(Port::item::<f64>(format!("cosine_{when}")).unit(Unit::Ratio).doc(format!("Least planarity min(p1, p2) of the thesis, 1 is planar, {word}.")))
-            .output(Port::item::<f64>(format!("diagonal_{when}")).unit(Unit::Ratio).doc(format!("Greatest distance of diagonals over their mean length, {word}.")))
-            .output(Port::item::<f64>(format!("fit_{when}")).unit(Unit::Length).doc(format!("Greatest distance of a corner from the fitted plane, {word}.")));
+            .output(
+                Port::item::<f64>(format!("corner_{when}"))
+                    .unit(Unit::Length)
+                    .doc(format!("Greatest distance of a corner from the plane of the other three, {word}.")),
+            )
+            .output(
+                Port::item::<f64>(format!("cosine_{when}"))
+                    .unit(Unit::Ratio)
+                    .doc(format!("Least planarity min(p1, p2) of the thesis, 1 is planar, {word}.")),
+            )
+            .output(
+                Port::item::<f64>(format!("diagonal_{when}"))
+                    .unit(Unit::Ratio)
+                    .doc(format!("Greatest distance of diagonals over their mean length, {word}.")),
+            )
+            .output(
+                Port::item::<f64>(format!("fit_{when}"))
+                    .unit(Unit::Length)
+                    .doc(format!("Greatest distance of a corner from the fitted plane, {word}.")),
+            );
     }
     node.run(run)
 }
@@ -105,7 +121,9 @@ fn planarize_fail(error: &PlanarizeError) -> Fail {
     match error {
         PlanarizeError::Cancelled => Fail::cancelled(),
         PlanarizeError::Mesh(e) => mesh_fail(e),
-        PlanarizeError::NoArea { face } => Fail::new("face-no-area", error.to_string()).port("mesh").item(*face as usize),
+        PlanarizeError::NoArea { face } => {
+            Fail::new("face-no-area", error.to_string()).port("mesh").item(*face as usize)
+        }
         PlanarizeError::NoSuch { .. } => Fail::new("no-such-index", error.to_string()),
         PlanarizeError::BadParameter { name, .. } => Fail::new("out-of-range", error.to_string()).port(*name),
     }

@@ -20,8 +20,11 @@ pub(super) fn node() -> NodeType {
         .output(Port::list::<Program>("programs").doc("One program per board, not yet proven."))
         .run(|c| {
             let machine = c.item::<V<MachineFile>>("machine")?;
-            let params =
-                PostParams { name: c.text("name")?, addresses: &c.item::<V<PartSet>>("parts")?.panels.address, header: &[] };
+            let params = PostParams {
+                name: c.text("name")?,
+                addresses: &c.item::<V<PartSet>>("parts")?.panels.address,
+                header: &[],
+            };
             let posted = post(c.item::<V<ToolPaths>>("paths")?, &machine.machine, &machine.words, &params)
                 .map_err(|e| post_fail(&e))?;
             let programs =

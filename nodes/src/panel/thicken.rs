@@ -35,8 +35,18 @@ pub(super) fn node() -> NodeType {
                     .default("square")
                     .doc(format!("How {which} are cut: square to the face, in a limit plane, or leaning by an angle.")),
             )
-            .input(Port::item::<Vector>(plane).default([0.0, 0.0, 1.0]).doc(format!("Normal of the limit plane of {which}: [0, 0, 1] cuts horizontally.")))
-            .input(Port::item::<f64>(angle).unit(Unit::Angle).range(-89.0, 89.0).default(0.0).doc(format!("Lean of {which} from square; positive takes wood away.")));
+            .input(
+                Port::item::<Vector>(plane)
+                    .default([0.0, 0.0, 1.0])
+                    .doc(format!("Normal of the limit plane of {which}: [0, 0, 1] cuts horizontally.")),
+            )
+            .input(
+                Port::item::<f64>(angle)
+                    .unit(Unit::Angle)
+                    .range(-89.0, 89.0)
+                    .default(0.0)
+                    .doc(format!("Lean of {which} from square; positive takes wood away.")),
+            );
     }
     node.input(Port::item::<Text>("nodes").choices(&["void", "keep"]).default("void").doc("Nodes that are not conical: void them, or keep every panel's own corner (panels then overlap: for study only)."))
         .input(Port::item::<f64>("planar_within").unit(Unit::Length).range(0.0, 1e3).default(1e-4).doc("Faces further from planar than this are reported."))
@@ -50,7 +60,8 @@ pub(super) fn node() -> NodeType {
 fn run(c: &mut Call) -> Result<(), Fail> {
     let mut params = ThickenParams::new(c.number("thickness")?);
     let [bottom, right, top, left, other] = [0, 1, 2, 3, 4].map(|side| cut(c, side));
-    params.border = BorderRule { bottom: bottom?, right: right?, top: top?, left: left?, other: other?, edges: Vec::new() };
+    params.border =
+        BorderRule { bottom: bottom?, right: right?, top: top?, left: left?, other: other?, edges: Vec::new() };
     params.nodes = if c.text("nodes")? == "keep" { Nodes::Keep } else { Nodes::Void };
     params.planar_within = c.number("planar_within")?;
     params.project_up_to = c.number("project_up_to")?;
@@ -77,7 +88,9 @@ fn cut(c: &Call, side: usize) -> Result<BorderCut, Fail> {
         "plane" => {
             let normal = c.item::<Vector>(plane)?.0;
             if normal.try_normalize().is_none() {
-                return Err(Fail::new("zero-vector", "the normal of a limit plane must not be the zero vector").port(plane));
+                return Err(
+                    Fail::new("zero-vector", "the normal of a limit plane must not be the zero vector").port(plane)
+                );
             }
             BorderCut::InPlane { normal }
         }

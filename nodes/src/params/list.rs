@@ -32,14 +32,24 @@ fn range() -> NodeType {
         .keywords(&["divide", "interval", "domain"])
         .input(Port::item::<f64>("start").default(0.0).doc("First number."))
         .input(Port::item::<f64>("end").default(1.0).doc("Last number."))
-        .input(Port::item::<i64>("steps").unit(Unit::Count).range(1.0, LONGEST as f64).default(10).doc("Number of steps; steps + 1 numbers."))
+        .input(
+            Port::item::<i64>("steps")
+                .unit(Unit::Count)
+                .range(1.0, LONGEST as f64)
+                .default(10)
+                .doc("Number of steps; steps + 1 numbers."),
+        )
         .output(Port::list::<f64>("numbers").doc("The numbers."))
         .run(|c| {
             let (start, end, steps) = (c.number("start")?, c.number("end")?, c.integer("steps")?);
             if !(end - start).is_finite() {
-                return Err(Fail::new("range-too-wide", format!("from {start} to {end} is wider than a number can hold")));
+                return Err(Fail::new(
+                    "range-too-wide",
+                    format!("from {start} to {end} is wider than a number can hold"),
+                ));
             }
-            let numbers = (0..=steps).map(|i| if i == steps { end } else { start + (end - start) * (i as f64 / steps as f64) });
+            let numbers =
+                (0..=steps).map(|i| if i == steps { end } else { start + (end - start) * (i as f64 / steps as f64) });
             let numbers = numbers.collect();
             c.set_list("numbers", numbers);
             Ok(())
@@ -54,12 +64,22 @@ fn series() -> NodeType {
         .keywords(&["count", "arithmetic"])
         .input(Port::item::<f64>("start").default(0.0).doc("First number."))
         .input(Port::item::<f64>("step").default(1.0).doc("Difference of neighbours."))
-        .input(Port::item::<i64>("count").unit(Unit::Count).range(0.0, LONGEST as f64).default(10).doc("How many numbers."))
+        .input(
+            Port::item::<i64>("count")
+                .unit(Unit::Count)
+                .range(0.0, LONGEST as f64)
+                .default(10)
+                .doc("How many numbers."),
+        )
         .output(Port::list::<f64>("numbers").doc("The numbers."))
         .run(|c| {
             let (start, step, count) = (c.number("start")?, c.number("step")?, c.integer("count")?);
             if !(start + step * count as f64).is_finite() {
-                return Err(Fail::new("series-too-far", format!("{count} steps of {step} from {start} leave the numbers")).port("step"));
+                return Err(Fail::new(
+                    "series-too-far",
+                    format!("{count} steps of {step} from {start} leave the numbers"),
+                )
+                .port("step"));
             }
             let numbers = (0..count).map(|i| start + step * i as f64).collect();
             c.set_list("numbers", numbers);

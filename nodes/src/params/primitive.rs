@@ -4,7 +4,11 @@ use tenon_engine::{Item, NodeType, Port, Text};
 
 pub(super) fn nodes() -> Vec<NodeType> {
     vec![
-        primitive::<f64>("number", "Number", "A number that a person sets; its unit is that of the port it is wired to."),
+        primitive::<f64>(
+            "number",
+            "Number",
+            "A number that a person sets; its unit is that of the port it is wired to.",
+        ),
         primitive::<i64>("integer", "Integer", "A whole number that a person sets."),
         primitive::<bool>("boolean", "Boolean", "True or false."),
         primitive::<Text>("text", "Text", "A text."),

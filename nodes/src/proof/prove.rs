@@ -86,7 +86,10 @@ fn judged(program: &Program, verdict: &ProgramVerdict, report: &ProofReport, mac
     let standing = if verdict.passed {
         let gouge = own().map(|p| p.gouge).fold(0.0, f64::max);
         let leftover = own().map(|p| p.leftover).fold(0.0, f64::max);
-        posted.set_status(&machine.words, &format!("proven, largest gouge {gouge:.4} mm, largest leftover {leftover:.4} mm"));
+        posted.set_status(
+            &machine.words,
+            &format!("proven, largest gouge {gouge:.4} mm, largest leftover {leftover:.4} mm"),
+        );
         Standing::Passed
     } else {
         let why = why(verdict);

@@ -78,6 +78,12 @@ impl Carried for Layout {
         })
     }
     fn summary(&self) -> String {
-        format!("{} parts on {} boards of {} × {} mm", self.placements.len(), self.boards, self.board.size.x, self.board.size.y)
+        format!(
+            "{} parts on {} boards of {} × {} mm",
+            self.placements.len(),
+            self.boards,
+            self.board.size.x,
+            self.board.size.y
+        )
     }
 }

@@ -49,7 +49,8 @@ impl Carried for Mesh {
         for (f, face) in list("faces")?.iter().enumerate() {
             for v in face.as_array().ok_or_else(|| format!("face {f} is not a list of vertex numbers"))? {
                 let v = v.as_u64().filter(|v| (*v as usize) < mesh.points.len());
-                mesh.face_vertices.push(v.ok_or_else(|| format!("face {f} names a vertex that does not exist"))? as u32);
+                mesh.face_vertices
+                    .push(v.ok_or_else(|| format!("face {f} names a vertex that does not exist"))? as u32);
             }
             mesh.face_start.push(mesh.face_vertices.len() as u32);
         }

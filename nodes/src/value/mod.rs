@@ -14,7 +14,6 @@ mod point;
 mod program;
 mod proof;
 
-
 pub use curve::SegmentNames;
 pub use point::{Point, Vector};
 pub use program::{Program, Standing};
