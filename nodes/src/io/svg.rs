@@ -19,7 +19,7 @@ const STYLE: &str = "\
 .bore{stroke:#1f4e79;stroke-width:.7}\
 .grain{stroke:#8a6d3b;stroke-width:4;fill:none;stroke-linecap:round;stroke-linejoin:round}\
 text{font-family:Helvetica,Arial,sans-serif;fill:#33210b}\
-.address{fill-opacity:.45}\
+.address{fill-opacity:.3}\
 .engraved{fill:#1f4e79}";
 
 /// Writes the drawing as SVG, 1 user unit = 1 mm, 2 decimals. Every board stands upright (Y up), named with its number
