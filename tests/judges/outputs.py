@@ -47,6 +47,10 @@ class Outputs:
     def piece_of(self):
         return {p["address"]: p for p in self.pieces["pieces"]}
 
+    @cached_property
+    def address_of(self):
+        return {p["part"]: p["address"] for p in self.pieces["pieces"]}
+
     @property
     def programs(self):
         """Board number from 0 -> program file."""
