@@ -64,6 +64,14 @@ def test_a_hole_that_was_forgotten_is_caught(tmp_path, machine):
     assert undrilled(part, sweeps(tmp_path, machine, part, drill=False)) == 1
 
 
+def test_a_hole_beside_its_place_is_caught(tmp_path, machine):
+    part = bench.part()
+    s = sweeps(tmp_path, machine, part)
+    entry, axis, depth, radius = part.holes[0]
+    part.holes = [(entry + [1.0, 0, 0], axis, depth, radius)]
+    assert gouge(part, s) > 0.5 and undrilled(part, s) > 0.1
+
+
 @pytest.mark.parametrize(
     "line",
     ["G1 X1", "T99 M6", "G1 X1 X2 F100", "G1 Q5 X1 F100", "G2 X1 Y1 F100", "G0 Xabc", "M77", "G43.4", "(open comment", "G20"],
