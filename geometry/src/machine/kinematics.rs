@@ -217,6 +217,7 @@ mod tests {
     use crate::machine::Rotary;
     use crate::machine::test_machine;
     use proptest::prelude::*;
+    use std::f64::consts::{FRAC_PI_2, PI};
 
     fn table_head() -> Machine {
         let mut m = test_machine();
@@ -250,8 +251,8 @@ mod tests {
     #[test]
     fn all_four_quadrants_and_both_poles_return() {
         for m in [test_machine(), table_head()] {
-            for phi in [0.0, 0.8, 1.5707963267948966, 2.2, 3.14159, -2.5, -1.0] {
-                for theta in [0.0, 1e-13, 1e-10, 1e-8, 1e-5, 0.2, 1.0, 1.5707963267948966, 2.0] {
+            for phi in [0.0, 0.8, FRAC_PI_2, 2.2, PI, -2.5, -1.0] {
+                for theta in [0.0, 1e-13, 1e-10, 1e-8, 1e-5, 0.2, 1.0, FRAC_PI_2, 2.0] {
                     let v = unit(theta, phi);
                     for q in m.solutions(v, [0.4, 0.1]).unwrap() {
                         assert!((m.tool_axis(q) - v).length() < 1e-9, "{v} {q:?}");

@@ -157,6 +157,7 @@ mod tests {
     use super::super::sweep::Disc;
     use super::*;
     use proptest::prelude::*;
+    use std::f64::consts::FRAC_PI_6;
 
     pub(crate) fn cube(half: f64) -> Vec<Plane> {
         [DVec3::X, DVec3::Y, DVec3::Z]
@@ -239,7 +240,7 @@ mod tests {
             for i in 0..6 {
                 for j in 0..6 {
                     for k in 0..12 {
-                        let (h, t, phi) = (f64::from(i) / 5.0, f64::from(j) / 5.0, f64::from(k) * 0.5236);
+                        let (h, t, phi) = (f64::from(i) / 5.0, f64::from(j) / 5.0, f64::from(k) * FRAC_PI_6);
                         let c = s.discs[0].center.lerp(s.discs[2].center, t) + axis * (12.0 * h);
                         let x = c + (side * phi.cos() + other * phi.sin()) * (r0 + (r1 - r0) * h);
                         let at = planes.iter().map(|p| -p.distance(x)).fold(f64::INFINITY, f64::min);
