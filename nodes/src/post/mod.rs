@@ -4,7 +4,6 @@ mod error;
 mod machine_file;
 mod number;
 mod parse;
-mod prove;
 mod words;
 mod write;
 
@@ -13,6 +12,5 @@ mod rejects;
 pub use error::PostError;
 pub use machine_file::{MachineFile, MachineFileError, machine_preset, machine_presets, read_machine};
 pub use parse::{ProgramError, parse_program};
-pub use prove::{prove_programs, stamp};
 pub use words::Words;
 pub use write::{PostParams, PostedProgram, post};
