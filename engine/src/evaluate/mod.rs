@@ -1,8 +1,10 @@
 //! Evaluation: demand-driven from the observed outputs, in order of height, without recursion.
 
 pub(crate) mod cache;
+pub(crate) mod commit;
 pub(crate) mod gather;
 pub(crate) mod matching;
+pub(crate) mod meter;
 pub(crate) mod output;
 pub(crate) mod queue;
 pub(crate) mod report;

@@ -2,18 +2,20 @@
 //! order of node number, and wake only successors of nodes whose outputs changed. Nothing recurses; a cancelled
 //! evaluation is taken back as a whole.
 
+use super::commit::Evaluation;
 use super::gather::{self, Files};
 use super::matching::{self, FileRead, Outcome};
-use super::report::{Control, Event, Happened, NodeReport, Progress, Report};
+use super::meter::{Meter, MeterState};
+use super::report::{Control, Event, Happened, Report};
 use super::session::{NodeRun, Session, Status};
 use crate::call::Monitor;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::document::model::NodeState;
-use crate::plan::{Plan, Slot};
+use crate::plan::Slot;
 use crate::value::Tree;
 use rayon::prelude::*;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Nodes that take less than this run on the calling thread, nanoseconds.
@@ -27,52 +29,6 @@ struct Job {
     node: u32,
     key: u128,
     files: Vec<(usize, Vec<Vec<FileRead>>)>,
-}
-
-struct Evaluation {
-    /// What nodes were before this evaluation touched them.
-    undo: Vec<(u32, NodeRun)>,
-    /// And what came out of them, in the same order.
-    undo_outputs: Vec<(Option<Tree>, u128)>,
-    reports: Vec<NodeReport>,
-    files: Files,
-    /// Length of the event log before.
-    log: usize,
-}
-
-/// Fraction done by expected cost, told at most 30 times a second.
-struct Meter<'a> {
-    tell: Option<&'a (dyn Fn(&Progress) + Sync)>,
-    state: Mutex<MeterState>,
-}
-
-struct MeterState {
-    total: f64,
-    done: f64,
-    shown: f64,
-    last: Option<Instant>,
-}
-
-impl Meter<'_> {
-    fn show(&self, node: &Arc<str>, weight: f64, fraction: f64) {
-        let (Some(tell), Ok(mut state)) = (self.tell, self.state.lock()) else { return };
-        let now = Instant::now();
-        if state.last.is_some_and(|t| now - t < Duration::from_millis(33)) {
-            return;
-        }
-        let fraction = ((state.done + weight * fraction) / state.total.max(1.0)).min(1.0).max(state.shown);
-        (state.shown, state.last) = (fraction, Some(now));
-        drop(state);
-        tell(&Progress { fraction, node: node.clone() });
-    }
-
-    fn finish(&self, weight: f64) {
-        if self.tell.is_some()
-            && let Ok(mut state) = self.state.lock()
-        {
-            state.done += weight;
-        }
-    }
 }
 
 impl Session {
@@ -325,7 +281,7 @@ impl Session {
         self.nodes[i].wanted
     }
 
-    fn outputs(&self, i: usize) -> &[Option<Tree>] {
+    pub(super) fn outputs(&self, i: usize) -> &[Option<Tree>] {
         let node = &self.plan.nodes[i];
         &self.values[node.outputs as usize..(node.outputs + node.output_count) as usize]
     }
@@ -424,171 +380,5 @@ impl Session {
             outcome.reports = reports;
         }
         (outcome, start.elapsed())
-    }
-
-    fn commit(&mut self, n: u32, key: u128, mut outcome: Outcome, time: Duration, e: &mut Evaluation) {
-        let i = n as usize;
-        let t = self.plan.nodes[i].node_type as usize;
-        let nanoseconds = time.as_nanos() as f64;
-        self.costs[t] =
-            if self.costs[t] > 0.0 { 0.7 * self.costs[t] + 0.3 * nanoseconds } else { nanoseconds.max(1.0) };
-        if outcome.cancelled && !outcome.failed {
-            outcome.failed = true;
-            outcome.outputs.clear();
-            let fail =
-                crate::Fail::new("gave-up", "the node stopped as if it had been cancelled, but nobody asked it to");
-            outcome.reports.push((Severity::Error, fail));
-        }
-        let reports: super::cache::Reports = (!outcome.reports.is_empty()).then(|| outcome.reports.into());
-        let outputs = outcome.outputs.into_boxed_slice();
-        let id = self.plan.ids[i].clone();
-        let status = if outcome.failed { Status::Failed } else { Status::Good };
-        self.events.push(if outcome.failed { Event::Failed(id.clone()) } else { Event::Executed(id.clone()) });
-        let run = NodeRun { key, reports: reports.clone(), status, blocked_by: n, ..NodeRun::default() };
-        if !self.publish(n, run, &outputs, e) {
-            self.events.push(Event::CutOff(id));
-        }
-        if !outcome.panicked {
-            self.memo.put(key, outputs, reports, outcome.failed, time.as_nanos() as u64);
-        }
-        self.note(n, if outcome.failed { Happened::Failed } else { Happened::Executed }, time, e);
-    }
-
-    /// Puts a node's new result in place and wakes its successors if it is another than before.
-    fn publish(&mut self, n: u32, mut run: NodeRun, outputs: &[Tree], e: &mut Evaluation) -> bool {
-        let i = n as usize;
-        let (from, count) = (self.plan.nodes[i].outputs as usize, self.plan.nodes[i].output_count as usize);
-        let old = &self.nodes[i];
-        (run.needed, run.wanted, run.dirty) = (old.needed, old.wanted, false);
-        run.present = run.status == Status::Good;
-        let mut changed =
-            old.status != run.status || (run.status == Status::Blocked && old.blocked_by != run.blocked_by);
-        // A frozen node brought over from another document has not been seen by anybody.
-        changed |= self.plan.nodes[i].state == NodeState::Frozen && old.dirty;
-        for o in 0..count {
-            let tree = outputs.get(o).cloned();
-            let digest = tree.as_ref().map_or(0, Tree::digest);
-            changed |= digest != self.digests[from + o];
-            let old = std::mem::replace(&mut self.values[from + o], tree);
-            e.undo_outputs.push((old, std::mem::replace(&mut self.digests[from + o], digest)));
-        }
-        if run.reports.is_some() || run.status != Status::Good {
-            self.vocal.insert(n);
-        } else if !self.vocal.is_empty() {
-            self.vocal.remove(&n);
-        }
-        let old = std::mem::replace(&mut self.nodes[i], run);
-        e.undo.push((n, old));
-        if changed {
-            for at in 0..self.plan.successors(i).len() {
-                let s = self.plan.successors(i)[at];
-                let node = &mut self.nodes[s as usize];
-                if node.needed {
-                    node.dirty = true;
-                    self.queue.push(s, self.plan.nodes[s as usize].height);
-                } else if !node.dirty {
-                    node.dirty = true;
-                    self.dirty.push(s);
-                }
-            }
-        }
-        changed
-    }
-
-    fn note(&self, n: u32, happened: Happened, time: Duration, e: &mut Evaluation) {
-        let i = n as usize;
-        let outputs = self.outputs(i);
-        let digest = match outputs {
-            [one] => one.as_ref().map_or(0, Tree::digest),
-            many => {
-                let mut d = crate::Digester::new();
-                many.iter().for_each(|t| d.u128(t.as_ref().map_or(0, Tree::digest)));
-                if many.iter().any(Option::is_some) { d.finish() } else { 0 }
-            }
-        };
-        let type_name = self.plan.node_type(i).map_or_else(|| Arc::from("?"), |t| t.type_name.clone());
-        let bytes = outputs.iter().flatten().map(Tree::bytes).sum();
-        e.reports.push(NodeReport { id: self.plan.ids[i].clone(), type_name, happened, time, bytes, digest });
-    }
-
-    /// Restores everything that this evaluation changed; what it computed stays remembered.
-    fn take_back(&mut self, e: Evaluation, dirty_before: Vec<u32>) {
-        let mut again = dirty_before;
-        self.queue.drain(&mut again);
-        let mut outputs = e.undo_outputs;
-        for (n, run) in e.undo.into_iter().rev() {
-            let i = n as usize;
-            let (from, count) = (self.plan.nodes[i].outputs as usize, self.plan.nodes[i].output_count as usize);
-            for (o, (value, digest)) in outputs.drain(outputs.len() - count..).enumerate() {
-                self.values[from + o] = value;
-                self.digests[from + o] = digest;
-            }
-            if run.reports.is_some() || !matches!(run.status, Status::Good | Status::New) {
-                self.vocal.insert(n);
-            } else {
-                self.vocal.remove(&n);
-            }
-            self.nodes[i] = run;
-            again.push(n);
-        }
-        // Some of these were made dirty by changes that are taken back: looking at them once more costs little.
-        again.extend((0..self.nodes.len() as u32).filter(|n| self.nodes[*n as usize].dirty));
-        again.sort_unstable();
-        again.dedup();
-        again.iter().for_each(|n| self.nodes[*n as usize].dirty = true);
-        self.dirty = again;
-        self.events.truncate(e.log);
-        self.events.push(Event::Cancelled);
-    }
-
-    /// Keeps the memo in its budget; values that nobody remembers any more are dropped, except those asked for.
-    fn evict(&mut self) {
-        if !self.memo.shrink(self.options.cache_bytes) {
-            return;
-        }
-        for i in 0..self.nodes.len() {
-            let run = &self.nodes[i];
-            let goal = self.goals.as_ref().is_some_and(|g| g.binary_search(&(i as u32)).is_ok());
-            let frozen = self.plan.nodes[i].state == NodeState::Frozen;
-            if !run.present || goal || frozen || self.plan.nodes[i].output_count == 0 || self.memo.contains(run.key) {
-                continue;
-            }
-            self.evicted = true;
-            self.nodes[i].present = false;
-            self.nodes[i].wanted = false;
-            let node = &self.plan.nodes[i];
-            self.values[node.outputs as usize..(node.outputs + node.output_count) as usize].fill(None);
-            self.events.push(Event::Evicted(self.plan.ids[i].clone()));
-        }
-    }
-
-    /// Everything that the nodes which are needed have to say, in order of node ids.
-    fn tell(&self, diagnostics: &mut Vec<Diagnostic>) {
-        let mut nodes: Vec<u32> = self.vocal.iter().copied().collect();
-        nodes.extend(self.plan.nodes_with_errors().map(|n| n as u32));
-        nodes.sort_unstable();
-        nodes.dedup();
-        for n in nodes {
-            let i = n as usize;
-            let run = &self.nodes[i];
-            if !run.needed || self.plan.nodes[i].state == NodeState::Disabled {
-                continue;
-            }
-            let id = &self.plan.ids[i];
-            diagnostics.extend(self.plan.errors(i).cloned());
-            diagnostics
-                .extend(run.reports.iter().flat_map(|r| r.iter()).map(|(severity, fail)| fail.at(*severity, id)));
-            if run.status == Status::Failed && self.plan.is_sound(i) {
-                diagnostics.extend(self.plan.missing(i).map(|port| Plan::missing_diagnostic(id, port)));
-            }
-            if run.status == Status::Blocked && run.blocked_by != n {
-                let by = run.blocked_by as usize;
-                let off = self.plan.nodes[by].state == NodeState::Disabled;
-                let message =
-                    format!("blocked by {}{}", self.plan.ids[by], if off { ", which is disabled" } else { "" });
-                let severity = if off { Severity::Warning } else { Severity::Note };
-                diagnostics.push(Diagnostic::error("blocked", message).with_severity(severity).at(&**id));
-            }
-        }
     }
 }

@@ -1,0 +1,194 @@
+//! Putting results in place, waking what depends on them, taking everything back after a cancellation, and telling what
+//! nodes have to say.
+
+use super::gather::Files;
+use super::matching::Outcome;
+use super::report::{Event, Happened, NodeReport};
+use super::session::{NodeRun, Session, Status};
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::document::model::NodeState;
+use crate::plan::Plan;
+use crate::value::Tree;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// One evaluation under way.
+#[derive(Default)]
+pub(crate) struct Evaluation {
+    /// What nodes were before this evaluation touched them.
+    pub undo: Vec<(u32, NodeRun)>,
+    /// And what came out of them, in the same order.
+    pub undo_outputs: Vec<(Option<Tree>, u128)>,
+    pub reports: Vec<NodeReport>,
+    pub files: Files,
+    /// Length of the event log before.
+    pub log: usize,
+}
+
+impl Session {
+    pub(super) fn commit(&mut self, n: u32, key: u128, mut outcome: Outcome, time: Duration, e: &mut Evaluation) {
+        let i = n as usize;
+        let t = self.plan.nodes[i].node_type as usize;
+        let nanoseconds = time.as_nanos() as f64;
+        self.costs[t] =
+            if self.costs[t] > 0.0 { 0.7 * self.costs[t] + 0.3 * nanoseconds } else { nanoseconds.max(1.0) };
+        if outcome.cancelled && !outcome.failed {
+            outcome.failed = true;
+            outcome.outputs.clear();
+            let fail =
+                crate::Fail::new("gave-up", "the node stopped as if it had been cancelled, but nobody asked it to");
+            outcome.reports.push((Severity::Error, fail));
+        }
+        let reports: super::cache::Reports = (!outcome.reports.is_empty()).then(|| outcome.reports.into());
+        let outputs = outcome.outputs.into_boxed_slice();
+        let id = self.plan.ids[i].clone();
+        let status = if outcome.failed { Status::Failed } else { Status::Good };
+        self.events.push(if outcome.failed { Event::Failed(id.clone()) } else { Event::Executed(id.clone()) });
+        let run = NodeRun { key, reports: reports.clone(), status, blocked_by: n, ..NodeRun::default() };
+        if !self.publish(n, run, &outputs, e) {
+            self.events.push(Event::CutOff(id));
+        }
+        if !outcome.panicked {
+            self.memo.put(key, outputs, reports, outcome.failed, time.as_nanos() as u64);
+        }
+        self.note(n, if outcome.failed { Happened::Failed } else { Happened::Executed }, time, e);
+    }
+
+    /// Puts a node's new result in place and wakes its successors if it is another than before.
+    pub(super) fn publish(&mut self, n: u32, mut run: NodeRun, outputs: &[Tree], e: &mut Evaluation) -> bool {
+        let i = n as usize;
+        let (from, count) = (self.plan.nodes[i].outputs as usize, self.plan.nodes[i].output_count as usize);
+        let old = &self.nodes[i];
+        (run.needed, run.wanted, run.dirty) = (old.needed, old.wanted, false);
+        run.present = run.status == Status::Good;
+        let mut changed =
+            old.status != run.status || (run.status == Status::Blocked && old.blocked_by != run.blocked_by);
+        // A frozen node brought over from another document has not been seen by anybody.
+        changed |= self.plan.nodes[i].state == NodeState::Frozen && old.dirty;
+        for o in 0..count {
+            let tree = outputs.get(o).cloned();
+            let digest = tree.as_ref().map_or(0, Tree::digest);
+            changed |= digest != self.digests[from + o];
+            let old = std::mem::replace(&mut self.values[from + o], tree);
+            e.undo_outputs.push((old, std::mem::replace(&mut self.digests[from + o], digest)));
+        }
+        if run.reports.is_some() || run.status != Status::Good {
+            self.vocal.insert(n);
+        } else if !self.vocal.is_empty() {
+            self.vocal.remove(&n);
+        }
+        let old = std::mem::replace(&mut self.nodes[i], run);
+        e.undo.push((n, old));
+        if changed {
+            for at in 0..self.plan.successors(i).len() {
+                let s = self.plan.successors(i)[at];
+                let node = &mut self.nodes[s as usize];
+                if node.needed {
+                    node.dirty = true;
+                    self.queue.push(s, self.plan.nodes[s as usize].height);
+                } else if !node.dirty {
+                    node.dirty = true;
+                    self.dirty.push(s);
+                }
+            }
+        }
+        changed
+    }
+
+    pub(super) fn note(&self, n: u32, happened: Happened, time: Duration, e: &mut Evaluation) {
+        let i = n as usize;
+        let outputs = self.outputs(i);
+        let digest = match outputs {
+            [one] => one.as_ref().map_or(0, Tree::digest),
+            many => {
+                let mut d = crate::Digester::new();
+                many.iter().for_each(|t| d.u128(t.as_ref().map_or(0, Tree::digest)));
+                if many.iter().any(Option::is_some) { d.finish() } else { 0 }
+            }
+        };
+        let type_name = self.plan.node_type(i).map_or_else(|| Arc::from("?"), |t| t.type_name.clone());
+        let bytes = outputs.iter().flatten().map(Tree::bytes).sum();
+        e.reports.push(NodeReport { id: self.plan.ids[i].clone(), type_name, happened, time, bytes, digest });
+    }
+
+    /// Restores everything that this evaluation changed; what it computed stays remembered.
+    pub(super) fn take_back(&mut self, e: Evaluation, dirty_before: Vec<u32>) {
+        let mut again = dirty_before;
+        self.queue.drain(&mut again);
+        let mut outputs = e.undo_outputs;
+        for (n, run) in e.undo.into_iter().rev() {
+            let i = n as usize;
+            let (from, count) = (self.plan.nodes[i].outputs as usize, self.plan.nodes[i].output_count as usize);
+            for (o, (value, digest)) in outputs.drain(outputs.len() - count..).enumerate() {
+                self.values[from + o] = value;
+                self.digests[from + o] = digest;
+            }
+            if run.reports.is_some() || !matches!(run.status, Status::Good | Status::New) {
+                self.vocal.insert(n);
+            } else {
+                self.vocal.remove(&n);
+            }
+            self.nodes[i] = run;
+            again.push(n);
+        }
+        // Some of these were made dirty by changes that are taken back: looking at them once more costs little.
+        again.extend((0..self.nodes.len() as u32).filter(|n| self.nodes[*n as usize].dirty));
+        again.sort_unstable();
+        again.dedup();
+        again.iter().for_each(|n| self.nodes[*n as usize].dirty = true);
+        self.dirty = again;
+        self.events.truncate(e.log);
+        self.events.push(Event::Cancelled);
+    }
+
+    /// Keeps the memo in its budget; values that nobody remembers any more are dropped, except those asked for.
+    pub(super) fn evict(&mut self) {
+        if !self.memo.shrink(self.options.cache_bytes) {
+            return;
+        }
+        for i in 0..self.nodes.len() {
+            let run = &self.nodes[i];
+            let goal = self.goals.as_ref().is_some_and(|g| g.binary_search(&(i as u32)).is_ok());
+            let frozen = self.plan.nodes[i].state == NodeState::Frozen;
+            if !run.present || goal || frozen || self.plan.nodes[i].output_count == 0 || self.memo.contains(run.key) {
+                continue;
+            }
+            self.evicted = true;
+            self.nodes[i].present = false;
+            self.nodes[i].wanted = false;
+            let node = &self.plan.nodes[i];
+            self.values[node.outputs as usize..(node.outputs + node.output_count) as usize].fill(None);
+            self.events.push(Event::Evicted(self.plan.ids[i].clone()));
+        }
+    }
+
+    /// Everything that the nodes which are needed have to say, in order of node ids.
+    pub(super) fn tell(&self, diagnostics: &mut Vec<Diagnostic>) {
+        let mut nodes: Vec<u32> = self.vocal.iter().copied().collect();
+        nodes.extend(self.plan.nodes_with_errors().map(|n| n as u32));
+        nodes.sort_unstable();
+        nodes.dedup();
+        for n in nodes {
+            let i = n as usize;
+            let run = &self.nodes[i];
+            if !run.needed || self.plan.nodes[i].state == NodeState::Disabled {
+                continue;
+            }
+            let id = &self.plan.ids[i];
+            diagnostics.extend(self.plan.errors(i).cloned());
+            diagnostics
+                .extend(run.reports.iter().flat_map(|r| r.iter()).map(|(severity, fail)| fail.at(*severity, id)));
+            if run.status == Status::Failed && self.plan.is_sound(i) {
+                diagnostics.extend(self.plan.missing(i).map(|port| Plan::missing_diagnostic(id, port)));
+            }
+            if run.status == Status::Blocked && run.blocked_by != n {
+                let by = run.blocked_by as usize;
+                let off = self.plan.nodes[by].state == NodeState::Disabled;
+                let message =
+                    format!("blocked by {}{}", self.plan.ids[by], if off { ", which is disabled" } else { "" });
+                let severity = if off { Severity::Warning } else { Severity::Note };
+                diagnostics.push(Diagnostic::error("blocked", message).with_severity(severity).at(&**id));
+            }
+        }
+    }
+}
