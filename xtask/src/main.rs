@@ -1,1 +1,34 @@
-fn main() {}
+//! Developer commands: `cargo xtask bench SUITE` measures, `cargo xtask docs` writes the node reference.
+
+mod bench;
+mod docs;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+cargo xtask bench chain [CASE]...   measure the chain; one JSON line per figure (docs/benchmarks.md)
+cargo xtask docs [--check]          write docs/nodes.md from the registry, or only compare";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    let result = match args.as_slice() {
+        ["bench", "chain", cases @ ..] => bench::chain::run(cases),
+        ["bench-child", rest @ ..] => bench::chain::child(rest),
+        ["docs"] => docs::write(),
+        ["docs", "--check"] => docs::check(),
+        _ => Err(USAGE.to_owned()),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The repository's root, whatever the current folder is.
+fn root() -> &'static std::path::Path {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(std::path::Path::new("."))
+}

@@ -1,0 +1,8 @@
+//! Benchmarks: one file per suite, and what is common to them.
+
+pub mod chain;
+mod figure;
+mod memory;
+mod peer;
+mod shell;
+mod surface;
