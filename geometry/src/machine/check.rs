@@ -99,6 +99,10 @@ impl Machine {
                 format!("{} mm must lie above 0 and within Z (to {} mm)", self.safe_height, self.linear[2].max);
             return Err(wrong("safe_height", problem));
         }
+        if !(self.headroom > self.safe_height && self.headroom.is_finite()) {
+            let problem = format!("{} mm must lie above the safe height ({} mm)", self.headroom, self.safe_height);
+            return Err(wrong("headroom", problem));
+        }
         if !(self.pivot >= 0.0 && self.pivot.is_finite()) {
             return Err(wrong("pivot", format!("must be 0 mm or more, not {}", self.pivot)));
         }

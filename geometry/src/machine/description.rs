@@ -139,6 +139,8 @@ pub struct Machine {
     pub pivot: f64,
     /// Height above the board's underside at which the tip may travel rapidly, mm.
     pub safe_height: f64,
+    /// Greatest height of the spindle nose above the board's underside, mm: what a long tool runs out of.
+    pub headroom: f64,
     /// The table.
     pub table: Table,
     /// Clamps and stops.

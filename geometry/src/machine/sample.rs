@@ -37,6 +37,7 @@ pub(crate) fn test_machine() -> Machine {
         tip_control: true,
         pivot: 210.0,
         safe_height: 60.0,
+        headroom: 1200.0,
         table: Table {
             min: DVec3::new(-200.0, -200.0, -119.0),
             max: DVec3::new(1700.0, 3200.0, -19.0),

@@ -144,6 +144,21 @@ pub enum PathError {
         /// Cutting length.
         has: f64,
     },
+    /// The tool is longer than the head can be lifted.
+    #[error(
+        "T{tool} is too long: at the safe height it lifts the spindle nose to {nose:.1} mm, the machine has {headroom:.1} mm; \
+         it must be {excess:.1} mm shorter"
+    )]
+    TooLong {
+        /// Tool number.
+        tool: u32,
+        /// Height of the spindle nose above the board's underside.
+        nose: f64,
+        /// Greatest height that the machine has.
+        headroom: f64,
+        /// What the tool must be shorter by.
+        excess: f64,
+    },
     /// Holder or spindle would touch the board.
     #[error("shank, holder or spindle of T{tool} at a tilt of {tilt:.2}° come {shortfall:.1} mm too near to the board")]
     Holder {
@@ -245,6 +260,12 @@ impl Reach<'_> {
         let shortfall = self.top + self.clearance - self.body.holder_height(tip, axis);
         if shortfall > 0.0 {
             return Err(PathError::Holder { tool: self.tool.number, tilt, shortfall });
+        }
+        let (nose, headroom) =
+            (self.tip_safe(axis) + self.tool.gauge() * axis.z, self.machine.headroom);
+        if nose > headroom {
+            let excess = (nose - headroom) / axis.z;
+            return Err(PathError::TooLong { tool: self.tool.number, nose, headroom, excess });
         }
         let (z, at) = (&self.machine.linear[2], self.tip_safe(axis));
         for at in [at, tip.z] {

@@ -28,6 +28,7 @@ fn fail(error: &PathError, message: String) -> Fail {
         PathError::Flat { .. } => ("chamfer-too-flat", "parts"),
         PathError::TooDeep { .. } | PathError::HoleTooDeep { .. } => ("below-sacrificial-layer", "machine"),
         PathError::TooShort { .. } => ("tool-too-short", "machine"),
+        PathError::TooLong { .. } => ("tool-too-long", "machine"),
         PathError::Holder { .. } => ("holder-in-board", "machine"),
         PathError::FromBelow { .. } => ("feature-out-of-reach", "parts"),
         PathError::Travel { .. } => ("axis-limit", "machine"),

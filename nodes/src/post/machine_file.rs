@@ -49,7 +49,7 @@ const PRESETS: [(&str, &str); 2] = [
     ("linuxcnc-xyzbc", include_str!("../../machines/linuxcnc-xyzbc.json")),
 ];
 
-const KEYS: [&str; 11] = [
+const KEYS: [&str; 12] = [
     "name",
     "linear",
     "primary",
@@ -57,6 +57,7 @@ const KEYS: [&str; 11] = [
     "tip_control",
     "pivot",
     "safe_height",
+    "headroom",
     "table",
     "clamps",
     "spindle",
@@ -105,6 +106,7 @@ pub fn read_machine(bytes: &[u8]) -> Result<MachineFile, MachineFileError> {
         tip_control: field(&map, "tip_control", "")?,
         pivot: field(&map, "pivot", "")?,
         safe_height: field(&map, "safe_height", "")?,
+        headroom: field(&map, "headroom", "")?,
         table: field(&map, "table", "")?,
         clamps: list(&map, "clamps", "")?,
         spindle: list(&map, "spindle", "")?,
