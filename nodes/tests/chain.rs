@@ -6,9 +6,9 @@ use tenon_geometry::joint::{FastenerRule, lay_fasteners};
 use tenon_geometry::mesh::{Address, Mesh};
 use tenon_geometry::motion::{PathParams, cut_parts, place_paths};
 use tenon_geometry::panel::{ThickenParams, thicken};
-use tenon_geometry::proof::ProofParams;
+use tenon_geometry::proof::{Program, ProofParams, prove};
 use tenon_geometry::{DVec2, DVec3};
-use tenon_nodes::post::{PostParams, machine_preset, post, prove_programs};
+use tenon_nodes::post::{PostParams, machine_preset, post};
 
 fn go(_: f64) -> bool {
     true
@@ -56,8 +56,8 @@ fn prove_shell(mesh: &Mesh, thickness: f64, rule: &FastenerRule, up: Up, grain: 
     assert!(issues.is_empty(), "{}", issues[0]);
     let params = PostParams { name: "shell", addresses: &parts.panels.address, header: &[] };
     let programs = post(&placed, &file.machine, &file.words, &params).unwrap();
-    let report =
-        prove_programs(&programs, &file.machine, &parts, &packed.layout, &ProofParams::default(), &go).unwrap();
+    let read: Vec<Program> = programs.iter().map(|p| p.read(&file.machine)).collect();
+    let report = prove(&read, &file.machine, &parts, &packed.layout, &ProofParams::default(), &go).unwrap();
     for p in &report.programs {
         assert!(p.passed, "{}: {}", p.name, p.reasons[0]);
     }

@@ -261,8 +261,7 @@ impl Reach<'_> {
         if shortfall > 0.0 {
             return Err(PathError::Holder { tool: self.tool.number, tilt, shortfall });
         }
-        let (nose, headroom) =
-            (self.tip_safe(axis) + self.tool.gauge() * axis.z, self.machine.headroom);
+        let (nose, headroom) = (self.tip_safe(axis) + self.tool.gauge() * axis.z, self.machine.headroom);
         if nose > headroom {
             let excess = (nose - headroom) / axis.z;
             return Err(PathError::TooLong { tool: self.tool.number, nose, headroom, excess });

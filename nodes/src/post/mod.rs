@@ -4,6 +4,7 @@ mod error;
 mod machine_file;
 mod number;
 mod parse;
+mod read;
 mod words;
 mod write;
 

@@ -83,14 +83,7 @@ impl Chain {
         layout: &Layout,
         progress: &(dyn Fn(f64) -> bool + Sync),
     ) -> Result<ProofReport, ProofError> {
-        let read = |p: &PostedProgram| {
-            let (motions, refused) = match parse_program(p.text.as_bytes(), machine) {
-                Ok(motions) => (motions, None),
-                Err(e) => (Vec::new(), Some((e.line, e.problem))),
-            };
-            Program { name: p.file_name(), board: p.board, motions, refused }
-        };
-        let programs: Vec<Program> = self.programs.iter().map(read).collect();
+        let programs: Vec<Program> = self.programs.iter().map(|p| p.read(machine)).collect();
         prove(&programs, machine, &self.parts, layout, &ProofParams::default(), progress)
     }
 

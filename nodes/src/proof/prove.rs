@@ -1,6 +1,6 @@
 //! `prove`: programs read back and judged.
 
-use crate::post::{MachineFile, parse_program};
+use crate::post::MachineFile;
 use crate::value::{Program, Standing, V};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -45,7 +45,7 @@ fn run(c: &mut Call) -> Result<(), Fail> {
         sample: c.number("sample")?,
         ..ProofParams::default()
     };
-    let read: Vec<proof::Program> = programs.par_iter().map(|p| read(p, machine)).collect();
+    let read: Vec<proof::Program> = programs.par_iter().map(|p| p.posted.read(&machine.machine)).collect();
     let monitor = c.monitor();
     let (parts, layout) = (c.item::<V<PartSet>>("parts")?, c.item::<V<Layout>>("layout")?);
     let report =
@@ -58,15 +58,6 @@ fn run(c: &mut Call) -> Result<(), Fail> {
     c.set("passed", report.passed());
     c.set("report", V::new(report));
     Ok(())
-}
-
-fn read(program: &Program, machine: &MachineFile) -> proof::Program {
-    let posted = &program.posted;
-    let (motions, refused) = match parse_program(posted.text.as_bytes(), &machine.machine) {
-        Ok(motions) => (motions, None),
-        Err(e) => (Vec::new(), Some((e.line, e.problem))),
-    };
-    proof::Program { name: posted.file_name(), board: posted.board, motions, refused }
 }
 
 /// The first reason, and how many more there are.
