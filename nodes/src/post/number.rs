@@ -34,7 +34,8 @@ fn push_digits(text: &mut String, mut value: u64, width: usize) {
         value /= 10;
     }
     at = at.min(digits.len() - width);
-    text.extend(digits[at..].iter().map(|d| char::from(*d)));
+    // Digits are ASCII; a slice at once is several times faster than characters one by one.
+    text.push_str(std::str::from_utf8(&digits[at..]).unwrap_or_default());
 }
 
 /// `value` with up to three decimals and no trailing zeros, for feeds and speeds.
