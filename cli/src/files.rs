@@ -2,15 +2,18 @@
 
 use crate::output::{self, Staged, WriteError};
 use crate::words::Wrong;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use tenon_engine::{Diagnostic, File};
 
 /// Ending of a file that may not have its final name.
 const WITHHELD: &str = ".unproven";
 
-/// Ending of an earlier run's file whose successor may not have its final name.
+/// Ending of an earlier run's file that does not belong to this one.
 const STALE: &str = ".stale";
+
+/// Names of the files that the last run has left in a folder under their final names, one per line.
+const MANIFEST: &str = ".tenon-files";
 
 /// A file that a node has made.
 #[derive(Debug)]
@@ -76,24 +79,37 @@ pub fn stage(
     Ok(all)
 }
 
-/// Gives everything staged its name. A withheld program's earlier version was proven for another design and must not
-/// lie there as if it belonged here: it is renamed. A file that has its final name needs no unproven one beside it.
-pub fn commit(staged: Staged, made: &[Made]) -> Result<(), Wrong> {
-    for made in made {
-        match &made.target {
-            Some(target) if made.withheld && target.is_file() => {
-                let io = |error| WriteError::Io { path: target.clone(), error };
-                std::fs::rename(target, with_ending(target, STALE)).map_err(io)?;
-            }
-            Some(_) | None => {}
-        }
+/// Gives everything staged its name. Files in the folder `out` that an earlier run has left and this one does not
+/// make, or may not give their final names, belong to another design and must not pass for this one's: they are set
+/// aside under another name. A file that has its final name needs no unproven one beside it.
+///
+/// Returns what was set aside, by its old name.
+pub fn commit(mut staged: Staged, made: &[Made], out: Option<&Path>) -> Result<Vec<PathBuf>, Wrong> {
+    let final_names: BTreeSet<&Path> =
+        made.iter().filter(|m| !m.withheld).filter_map(|m| m.target.as_deref()).collect();
+    let mut others: BTreeSet<PathBuf> = made.iter().filter(|m| m.withheld).filter_map(|m| m.target.clone()).collect();
+    if let Some(dir) = out {
+        others.extend(earlier(dir));
+        let names: Vec<&str> = made.iter().filter(|m| !m.withheld).map(|m| &*m.file.name).collect();
+        staged.add(&dir.join(MANIFEST), format!("{}\n", names.join("\n")).as_bytes())?;
+    }
+    others.retain(|path| path.is_file() && !final_names.contains(path.as_path()));
+    for path in &others {
+        let io = |error| WriteError::Io { path: path.clone(), error };
+        std::fs::rename(path, with_ending(path, STALE)).map_err(io)?;
     }
     staged.commit()?;
-    for target in made.iter().filter(|m| !m.withheld).filter_map(|m| m.target.as_ref()) {
+    for target in final_names {
         // Usually there is none.
         let _ = std::fs::remove_file(with_ending(target, WITHHELD));
     }
-    Ok(())
+    Ok(others.into_iter().collect())
+}
+
+/// The files that the last run has left in the folder `dir` under their final names, as its manifest says.
+fn earlier(dir: &Path) -> Vec<PathBuf> {
+    let manifest = std::fs::read_to_string(dir.join(MANIFEST)).unwrap_or_default();
+    manifest.lines().filter_map(|name| output::inside(dir, name).ok()).collect()
 }
 
 #[cfg(test)]
@@ -116,13 +132,14 @@ mod tests {
     fn write(dir: &Path, files: Vec<(String, File)>, insist: bool) -> Vec<Made> {
         let mut staged = Staged::default();
         let made = stage(&mut staged, files, Some(dir), insist).unwrap();
-        commit(staged, &made).unwrap();
+        commit(staged, &made, Some(dir)).unwrap();
         made
     }
 
     fn names(dir: &Path) -> Vec<String> {
         let mut names: Vec<String> =
             fs::read_dir(dir).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.retain(|n| n != MANIFEST);
         names.sort();
         names
     }
@@ -158,6 +175,24 @@ mod tests {
         write(&dir, program("new", Some("no proof")), false);
         assert_eq!(names(&dir), ["b.ngc.stale", "b.ngc.unproven"]);
         assert_eq!(fs::read(dir.join("b.ngc.stale")).unwrap(), b"old");
+        fs::remove_dir_all(&dir).unwrap();
+    }
+
+    #[test]
+    fn what_an_earlier_run_has_left_does_not_pass_for_this_one() {
+        let dir = folder("fewer");
+        let named = |name: &str| {
+            let file = File { name: name.into(), bytes: name.as_bytes().into(), withheld: None };
+            ("gcode.files".to_owned(), file)
+        };
+        fs::write(dir.join("notes.txt"), "of a person").unwrap();
+        write(&dir, vec![named("a"), named("b")], false);
+        write(&dir, vec![named("a")], false);
+        assert_eq!(names(&dir), ["a", "b.stale", "notes.txt"]);
+        // A manifest that names what is not ours moves nothing outside.
+        fs::write(dir.join(MANIFEST), "../b\n/etc/hostname\n\nnever\n").unwrap();
+        write(&dir, vec![named("a")], false);
+        assert_eq!(names(&dir), ["a", "b.stale", "notes.txt"]);
         fs::remove_dir_all(&dir).unwrap();
     }
 

@@ -60,7 +60,7 @@ pub fn run(args: &RunArgs) -> Result<End, Wrong> {
         };
         let json = tree.to_json();
         if let Some(path) = get.file {
-            staged.add(path, format!("{json:#}\n").as_bytes())?;
+            staged.add(path, format!("{json}\n").as_bytes())?;
         } else {
             values.insert(get.name, json);
         }
@@ -73,7 +73,9 @@ pub fn run(args: &RunArgs) -> Result<End, Wrong> {
     if let Some(path) = &args.report {
         staged.add(path, format!("{full:#}\n").as_bytes())?;
     }
-    files::commit(staged, &files)?;
+    for path in files::commit(staged, &files, args.out.as_deref())? {
+        voice.say(&format!("{} is of an earlier run: it is now called .stale", path.display()));
+    }
 
     voice.diagnostics(&diagnostics);
     if args.json {

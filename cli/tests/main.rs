@@ -4,6 +4,7 @@ mod call;
 mod check;
 mod fmt;
 mod get;
+mod graphs;
 mod nodes;
 mod report;
 mod set;
