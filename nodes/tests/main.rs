@@ -3,5 +3,6 @@
 mod bad_input;
 mod chain;
 mod common;
+mod graphs;
 mod registry;
 mod same_bytes;

@@ -1,13 +1,16 @@
-//! Developer commands: `cargo xtask bench SUITE` measures, `cargo xtask docs` writes the node reference.
+//! Developer commands: `cargo xtask bench SUITE` measures, `cargo xtask docs` writes the node reference,
+//! `cargo xtask picture` draws the picture of the README.
 
 mod bench;
 mod docs;
+mod picture;
 
 use std::process::ExitCode;
 
 const USAGE: &str = "\
 cargo xtask bench chain [CASE]...   measure the chain; one JSON line per figure (docs/benchmarks.md)
-cargo xtask docs [--check]          write docs/nodes.md from the registry, or only compare";
+cargo xtask docs [--check]          write docs/nodes.md from the registry, or only compare
+cargo xtask picture                  draw docs/shell-256.svg from graphs/shell-256";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -15,6 +18,7 @@ fn main() -> ExitCode {
     let result = match args.as_slice() {
         ["bench", "chain", cases @ ..] => bench::chain::run(cases),
         ["bench-child", rest @ ..] => bench::chain::child(rest),
+        ["picture"] => picture::write(),
         ["docs"] => docs::write(),
         ["docs", "--check"] => docs::check(),
         _ => Err(USAGE.to_owned()),

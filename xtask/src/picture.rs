@@ -3,17 +3,35 @@
 //! Panels are convex and apart, so drawing their faces from far to near is enough.
 
 use std::fmt::Write;
+use std::sync::Arc;
+use tenon_engine::{Control, Document, Options, Session};
 use tenon_geometry::panel::PanelSet;
 use tenon_geometry::{DMat3, DVec3};
+use tenon_nodes::value::V;
+
+/// Evaluates graphs/shell-256 up to its panels and draws them into docs/shell-256.svg.
+pub(crate) fn write() -> Result<(), String> {
+    let graph = crate::root().join("graphs/shell-256/shell-256.tenon.json");
+    let bytes = std::fs::read(&graph).map_err(|e| format!("{}: {e}", graph.display()))?;
+    let document = Document::from_slice(&bytes).map_err(|d| format!("{}: {}", graph.display(), d[0]))?;
+    let mut session = Session::new(Arc::new(tenon_nodes::registry()), document, Options::default());
+    let report = session.evaluate(&["panels"], &Control::default());
+    let panels = session.value("panels").and_then(|tree| tree.first::<V<PanelSet>>().cloned());
+    let panels = panels.ok_or_else(|| format!("no panels: {:?}", report.diagnostics))?;
+    let out = crate::root().join("docs/shell-256.svg");
+    std::fs::write(&out, draw(&panels, 1200.0, -68.0, 32.0)).map_err(|e| format!("{}: {e}", out.display()))?;
+    println!("wrote {}", out.display());
+    Ok(())
+}
 
 /// The panels as an SVG of `width` pixels, seen from `azimuth` and `elevation` (degrees).
-pub(crate) fn draw(panels: &PanelSet, width: f64, azimuth: f64, elevation: f64) -> String {
+fn draw(panels: &PanelSet, width: f64, azimuth: f64, elevation: f64) -> String {
     let (sa, ca) = azimuth.to_radians().sin_cos();
     let (se, ce) = elevation.to_radians().sin_cos();
     let right = DVec3::new(-sa, ca, 0.0);
     let toward = DVec3::new(ca * ce, sa * ce, se);
     let camera = DMat3::from_cols(right, toward.cross(right), toward).transpose();
-    let light = DVec3::new(0.35, 0.6, 0.75).normalize();
+    let light = DVec3::new(0.15, -0.85, 0.5).normalize();
 
     let mut faces: Vec<(f64, Vec<DVec3>, f64)> = Vec::new();
     for i in (0..panels.len()).filter(|i| panels.is_valid(*i)) {
@@ -42,7 +60,7 @@ pub(crate) fn draw(panels: &PanelSet, width: f64, azimuth: f64, elevation: f64) 
          <g stroke=\"#5b4630\" stroke-width=\"0.5\" stroke-linejoin=\"round\">\n"
     );
     for (_, face, lit) in &faces {
-        let shade = 0.52 + 0.48 * (0.5 + 0.5 * lit);
+        let shade = 0.4 + 0.6 * (0.5 + 0.5 * lit);
         let [r, g, b] = [236.0, 208.0, 160.0].map(|c: f64| (c * shade) as u8);
         let _ = write!(svg, "<path fill=\"#{r:02x}{g:02x}{b:02x}\" d=\"");
         for (k, p) in face.iter().enumerate() {
