@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
-use tenon_engine::{Control, Diagnostic, Json, Options, Progress, Report, Session, Severity};
+use tenon_engine::{Control, Diagnostic, Json, Options, Progress, Report, Session, Severity, Tree};
 
 /// Memory that results may take before old ones are dropped, bytes.
 const CACHE: usize = 2 << 30;
@@ -192,7 +192,7 @@ fn summarize(
     let mut lines = Vec::new();
     for output in session.document().outputs.keys() {
         if let Some(tree) = session.value(output) {
-            lines.push(format!("{output}: {}", tree.summary()));
+            lines.push(value_line(session, output, &tree));
         }
     }
     for made in files {
@@ -211,6 +211,30 @@ fn summarize(
     };
     lines.push(format!("{} in {}, {found}\n", if errors == 0 { "done" } else { "ended" }, seconds(report.elapsed)));
     lines.join("\n")
+}
+
+/// An output for people: a number alone with its unit, else what the value says of itself.
+fn value_line(session: &Session, output: &str, tree: &Tree) -> String {
+    let summary = tree.summary();
+    let words = summary.strip_prefix(&format!("{}: ", tree.type_name())).unwrap_or(&summary);
+    match tree.first::<f64>() {
+        Some(number) if tree.len() == 1 => {
+            format!("{output}: {:.3} {}", number, unit(session, output).unwrap_or_default()).trim_end().to_owned()
+        }
+        _ => format!("{output}: {words}"),
+    }
+}
+
+/// The unit of an interface output: what the graph says, else that of the node's port.
+fn unit(session: &Session, output: &str) -> Option<String> {
+    let output = session.document().outputs.get(output)?;
+    let port = || {
+        let (id, port) = output.port.split_once('.')?;
+        let node_type = session.registry().get(&session.document().nodes().get(id)?.type_name)?;
+        let port = node_type.outputs().iter().find(|p| p.name() == port)?;
+        port.describe()["unit"].as_str().map(str::to_owned)
+    };
+    output.unit.clone().or_else(port)
 }
 
 /// How long each node took, the slowest first.

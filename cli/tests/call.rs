@@ -23,12 +23,20 @@ fn a_truncated_file_is_refused_with_its_place() {
 
 #[test]
 fn garbage_and_deep_nesting_are_refused() {
-    let deep = "[".repeat(1_000_000);
+    let deep = "[".repeat(10_000_000);
     let noise: Vec<u8> = (0..1_000_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
     for bytes in [deep.as_bytes(), noise.as_slice(), b"{}", b"[]", b"null", b"\xff\xfe"] {
         let folder = Folder::with("g.tenon.json", bytes);
         folder.tenon(&["check", "."]).code(2).says(&["not a readable graph"]);
     }
+}
+
+#[test]
+fn a_file_of_200_mb_is_refused_without_reading_it_all() {
+    let folder = Folder::new();
+    let file = std::fs::File::create(folder.0.join("g.tenon.json")).unwrap();
+    file.set_len(200 << 20).unwrap();
+    folder.tenon(&["check", "g.tenon.json"]).code(2).says(&["larger than a graph may be (64 MiB)"]);
 }
 
 #[test]

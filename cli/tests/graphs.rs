@@ -1,18 +1,12 @@
 //! The graphs that are shipped, by the real binary: checked, formatted, run, proven, withheld.
 
-use crate::tenon::{Ended, Folder};
-use std::path::{Path, PathBuf};
+use crate::tenon::{Ended, Folder, shipped};
 
 /// The shell with 4 × 4 panels: the whole chain in a moment.
 const SMALL: [&str; 4] = ["--set", "iterations=2", "--out", "out"];
 
-fn graph(name: &str) -> String {
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../graphs").join(name);
-    path.to_str().unwrap().to_owned()
-}
-
 fn small_shell(folder: &Folder, more: &[&str]) -> Ended {
-    let graph = graph("shell-256");
+    let graph = shipped("shell-256");
     folder.tenon(&[&["run", graph.as_str()], &SMALL[..], more].concat())
 }
 
@@ -20,7 +14,7 @@ fn small_shell(folder: &Folder, more: &[&str]) -> Ended {
 fn every_shipped_graph_is_without_errors_and_in_canonical_form() {
     let folder = Folder::new();
     let mut count = 0;
-    for entry in std::fs::read_dir(graph("")).unwrap() {
+    for entry in std::fs::read_dir(shipped("")).unwrap() {
         let path = entry.unwrap().path();
         let path = path.to_str().unwrap();
         folder.tenon(&["check", path]).code(0);

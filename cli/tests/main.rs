@@ -5,6 +5,7 @@ mod check;
 mod fmt;
 mod get;
 mod graphs;
+mod interrupt;
 mod nodes;
 mod report;
 mod set;

@@ -99,6 +99,12 @@ impl Drop for Folder {
     }
 }
 
+/// The path of a graph that is shipped with the source.
+pub fn shipped(name: &str) -> String {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../graphs").join(name);
+    path.to_str().unwrap().to_owned()
+}
+
 /// The only branch of a printed tree.
 pub fn list(tree: &serde_json::Value) -> serde_json::Value {
     tree["branches"]["{0}"].clone()
