@@ -9,8 +9,8 @@ AREA = 1e-6  # mm², what rounding may make of two outlines that touch
 LENGTH = 1e-6  # mm
 
 
-def faults(outputs):
-    """What is wrong with a layout, in words."""
+def faults(outputs, inside="cleared"):
+    """What is wrong with a layout, in words. `inside` is what must stay within the margin: "cleared" or "piece"."""
     layout, found = outputs.layout, []
     width, height = layout["size"]
     m = layout["margin"]
@@ -32,8 +32,9 @@ def faults(outputs):
             who = p["address"]
             if not outline.is_valid or outline.area == 0:
                 found.append(f"{who}: the outline is no polygon")
-            if not usable.buffer(LENGTH).covers(outline):
-                found.append(f"{who}: {outline.difference(usable).area:.3f} mm² beyond the usable board")
+            kept = clear if inside == "cleared" else outline
+            if not usable.buffer(LENGTH).covers(kept):
+                found.append(f"{who}: {kept.difference(usable).area:.3f} mm² beyond the usable board")
             if outline.difference(clear.buffer(LENGTH)).area > AREA:
                 found.append(f"{who}: the outline is not inside what is cleared for it")
             found += untrue(outputs, p, outline)

@@ -82,7 +82,30 @@ class Sweeps:
         """Points on a body of revolution at both ends of piece k; the sweep is their hull."""
         sides = DRILL_SIDES if self.machine.tools[self.tool[k]].kind == "drill" else MILL_SIDES
         ends = ((self.start[k], self.axis[0][k]), (self.end[k], self.axis[1][k]))
+        travel = self.end[k] - self.start[k]
+        along = travel @ ends[0][1]
+        if np.array_equal(self.axis[0][k], self.axis[1][k]) and abs(along) > 0 and np.linalg.norm(travel - along * ends[0][1]) < 1e-9:
+            # Along its own axis: a longer body of the same kind, without rings that lie on a line with others.
+            low = self.start[k] if along > 0 else self.end[k]
+            longer = profile[:-1] + [(profile[-1][0] + abs(along), profile[-1][1])]
+            if profile[-1][1] == profile[-2][1]:
+                return revolved(low - origin, ends[0][1], longer, sides, outside)
         return np.vstack([revolved(tip - origin, axis, profile, sides, outside) for tip, axis in ends])
+
+
+def hull(points):
+    """Convex hull, checked: manifold3d 3.5.4 can lose corners where many points lie in a plane or on a line."""
+    solid = Manifold.hull_points(points)
+    mesh = solid.to_mesh64()
+    corners = np.asarray(mesh.vert_properties)[:, :3][np.asarray(mesh.tri_verts)]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = np.linalg.norm(normals, axis=1)
+    sound = size > 1e-6
+    normals, corners = normals[sound] / size[sound, None], corners[sound]
+    outside = (points @ normals.T - np.sum(normals * corners[:, 0], axis=1)).max()
+    if outside > 2e-4:
+        raise ValueError(f"manifold3d's hull leaves out a point by {outside} mm")
+    return solid
 
 
 def revolved(foot, axis, profile, sides, outside):
@@ -97,7 +120,7 @@ def revolved(foot, axis, profile, sides, outside):
 
 def cylinder(foot, axis, length, radius):
     """A round cylinder's circumscribed prism."""
-    return Manifold.hull_points(revolved(foot, axis, [(0, radius), (length, radius)], DRILL_SIDES, True))
+    return hull(revolved(foot, axis, [(0, radius), (length, radius)], DRILL_SIDES, True))
 
 
 def closed(points, faces):
@@ -141,7 +164,7 @@ def gouge(part, sweeps, exact=1e-4):
             most = float((local.offsets - rings @ local.normals.T).max(axis=0).min())
             if most <= deepest + exact:
                 continue
-            met = Manifold.hull_points(rings) ^ below
+            met = hull(rings) ^ below
             if met.volume() < 1e-9:
                 continue
             # The corners of what is met all lie on the part's own faces when a body passes right through: halve.
@@ -179,7 +202,7 @@ def leftover(part, sweeps, thickness):
         tool = sweeps.machine.tools[sweeps.tool[k]]
         if tool.kind == "end_mill":
             rings = sweeps.rings(k, tool.cutter(), False, middle)
-            cuts.append((rings.min(axis=0), rings.max(axis=0), Manifold.hull_points(rings)))
+            cuts.append((rings.min(axis=0), rings.max(axis=0), hull(rings)))
     for f, loop in enumerate(part.faces):
         n, d = part.normals[f], part.offsets[f]
         if abs(n[2]) > 1 - 1e-9:
@@ -187,7 +210,7 @@ def leftover(part, sweeps, thickness):
         foot = part.points[loop] - middle
         around = np.vstack([foot, foot + REACH * n])
         low, high = around.min(axis=0), around.max(axis=0)
-        stock = Manifold.hull_points(around)
+        stock = hull(around)
         stock = stock.trim_by_plane((0, 0, 1), float(-middle[2]))
         stock = stock.trim_by_plane((0, 0, -1), float(middle[2] - thickness))
         for least, most, cut in cuts:
@@ -219,6 +242,6 @@ def undrilled(part, sweeps):
                 rings = sweeps.rings(k, tool.cutter(), False, entry)
                 low, high = ends.min(axis=0) - entry, ends.max(axis=0) - entry
                 if np.all(rings.min(axis=0) <= high) and np.all(rings.max(axis=0) >= low):
-                    wood = wood - Manifold.hull_points(rings)
+                    wood = wood - hull(rings)
         worst = max(worst, wood.volume() / whole)
     return worst

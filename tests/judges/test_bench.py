@@ -97,7 +97,8 @@ def test_a_sound_layout_passes(tmp_path):
         ({"cleared": [[0, 0], [1, 0], [1, 1]]}, "not inside what is cleared"),
         ({"frame": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 5]]}, "not in the board"),
         ({"frame": [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 1, 0]]}, "no rigid motion"),
-        ({"piece": [[0, 0], [1, 0], [1, 1]]}, "beyond the usable board"),
+        ({"cleared": [[0, 0], [900, 0], [900, 900], [0, 900]]}, "beyond the usable board"),
+        ({"piece": [[0, 0], [1, 0], [1, 1]]}, "not inside what is cleared"),
         ({"board": 1}, "board 0 is empty"),
     ],
 )
