@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
-use tenon_engine::{Control, Diagnostic, Json, Options, Progress, Report, Session, Severity, Tree};
+use tenon_engine::{Access, Control, Diagnostic, Item, Json, Options, Progress, Report, Session, Severity, Text, Tree};
 
 /// Memory that results may take before old ones are dropped, bytes.
 const CACHE: usize = 2 << 30;
@@ -113,15 +113,28 @@ fn parse_get(text: &str) -> Get<'_> {
     }
 }
 
-/// Gives an input a value: as JSON if that is what the text is and what the input takes, else as plain text.
+/// Gives an input a value: a text port the text as it stands (or what it is between quotes), others what it is as JSON,
+/// and what is not JSON, such as `12 mm`, as text.
 fn set(session: &mut Session, name: &str, text: &str) -> Result<(), Wrong> {
-    let plain = Json::String(text.to_owned());
-    let result = match serde_json::from_str::<Json>(text) {
-        // A text port may be given 12 or true without quotes.
-        Ok(json) => session.set(name, json).or_else(|why| session.set(name, plain).map_err(|_| why)),
-        Err(_) => session.set(name, plain),
+    let plain = || Json::String(text.to_owned());
+    let value = match serde_json::from_str::<Json>(text) {
+        Ok(Json::String(quoted)) => Json::String(quoted),
+        Ok(json) if !takes_text(session, name) => json,
+        _ => plain(),
     };
-    result.map_err(|d| Wrong::new("set", format!("--set {name} cannot be done")).because(vec![d]))
+    session.set(name, value).map_err(|d| Wrong::new("set", format!("--set {name} cannot be done")).because(vec![d]))
+}
+
+/// Whether an input takes texts one by one: there, `12` is the text 12.
+fn takes_text(session: &Session, name: &str) -> bool {
+    let document = session.document();
+    let place = document.inputs.get(name).and_then(|input| input.ports.first()).map_or(name, String::as_str);
+    let port = || {
+        let (id, port) = place.split_once('.')?;
+        let node_type = session.registry().get(&document.nodes().get(id)?.type_name)?;
+        node_type.inputs().iter().find(|p| p.name() == port)
+    };
+    port().is_some_and(|p| p.access() == Access::Item && p.describe()["type"] == Text::TYPE)
 }
 
 /// What is to be evaluated: only what was asked for, or with an output folder all outputs and writers as well; none

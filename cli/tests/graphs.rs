@@ -84,6 +84,16 @@ fn a_later_run_leaves_no_program_of_an_earlier_one() {
 }
 
 #[test]
+fn a_range_holds_in_every_unit() {
+    let folder = Folder::new();
+    for thick in ["50", "50 mm", "5 cm", "3 mm"] {
+        let ended = small_shell(&folder, &["--set", &format!("thickness={thick}")]).code(2);
+        ended.says(&["out-of-range", "4 to 30 mm"]);
+    }
+    small_shell(&folder, &["--set", "thickness=1.2 cm"]).code(0);
+}
+
+#[test]
 fn a_moved_point_reaches_the_programs() {
     let folder = Folder::new();
     small_shell(&folder, &[]).code(0);

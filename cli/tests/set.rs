@@ -32,6 +32,13 @@ fn an_unknown_name_gets_the_nearest() {
 fn a_value_that_does_not_fit_is_refused() {
     let folder = Folder::with("g.tenon.json", NUMBERS);
     folder.tenon(&["run", ".", "--set", "thickness=thick"]).code(2).says(&["thickness"]);
+    let limited = NUMBERS.replace(r#""doc": "a number""#, r#""min": 4, "max": 30"#);
+    folder.write("g.tenon.json", limited);
+    for wide in ["50", "\"50\"", "[5, 50]"] {
+        folder.tenon(&["run", ".", "--set", &format!("thickness={wide}")]).code(2);
+    }
+    folder.tenon(&["run", ".", "--set", "thickness=50"]).code(2).says(&["out-of-range", "4 to 30"]);
+    folder.tenon(&["run", ".", "--set", "thickness=30"]).code(0);
     folder.tenon(&["run", ".", "--set", "thickness"]).code(2).says(&["NAME=VALUE"]);
     folder.tenon(&["run", ".", "--set", "=3"]).code(2).says(&["NAME=VALUE"]);
 }

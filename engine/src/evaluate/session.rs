@@ -5,10 +5,10 @@ use super::matching::Matching;
 use super::queue::Queue;
 use super::report::Event;
 use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
-use crate::document::model::{Document, NodeState};
+use crate::document::model::{Document, InterfaceInput, NodeState};
 use crate::plan::{Plan, Slot};
 use crate::registry::Registry;
-use crate::value::{File, Json, Tree};
+use crate::value::{Column, File, Json, Tree};
 use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
@@ -106,6 +106,18 @@ pub struct Session {
     pool: OnceLock<Option<rayon::ThreadPool>>,
 }
 
+/// Whether every number of a value lies in its interface input's range, whatever unit it was written in.
+fn check_range(name: &str, input: &InterfaceInput, tree: &Tree) -> Result<(), Diagnostic> {
+    let number = |c: &Column, i: usize| c.get::<f64>(i).copied().or_else(|| c.get::<i64>(i).map(|v| *v as f64));
+    let mut numbers = tree.branches().iter().flat_map(|(_, c)| (0..c.len()).filter_map(move |i| number(c, i)));
+    let outside = |v: &f64| input.min.is_some_and(|min| *v < min) || input.max.is_some_and(|max| *v > max);
+    let Some(v) = numbers.find(outside) else { return Ok(()) };
+    let unit = input.unit.as_deref().map(|u| format!(" {u}")).unwrap_or_default();
+    let end = |v: Option<f64>| v.map_or_else(|| "anything".to_owned(), |v| v.to_string());
+    let message = format!("{name} = {v}{unit} is outside {} to {}{unit}", end(input.min), end(input.max));
+    Err(Diagnostic::error("out-of-range", message))
+}
+
 impl Session {
     /// A session; nothing runs yet. What is wrong with the document shows in [`Document::validate`] and in reports.
     /// O(nodes + wires).
@@ -193,15 +205,6 @@ impl Session {
     pub fn set(&mut self, name: &str, value: Json) -> Result<(), Diagnostic> {
         let mut places = Vec::new();
         if let Some(input) = self.document.inputs.get(name) {
-            if let Some(v) = value.as_f64()
-                && (input.min.is_some_and(|min| v < min) || input.max.is_some_and(|max| v > max))
-            {
-                let unit = input.unit.as_deref().map(|u| format!(" {u}")).unwrap_or_default();
-                let end = |v: Option<f64>, none: &str| v.map_or_else(|| none.to_owned(), |v| v.to_string());
-                let (min, max) = (end(input.min, "anything"), end(input.max, "anything"));
-                let message = format!("{name} = {v}{unit} is outside {min} to {max}{unit}");
-                return Err(Diagnostic::error("out-of-range", message));
-            }
             for address in &input.ports {
                 places.push(self.plan.find_input(address)?);
             }
@@ -226,7 +229,11 @@ impl Session {
             let tree = if value.is_null() {
                 None
             } else {
-                Some(port.literal(&value).map_err(|fail| fail.at(Severity::Error, id))?)
+                let tree = port.literal(&value).map_err(|fail| fail.at(Severity::Error, id))?;
+                if let Some(input) = self.document.inputs.get(name) {
+                    check_range(name, input, &tree)?;
+                }
+                Some(tree)
             };
             trees.push((n, p, port.name().to_owned(), tree));
         }
