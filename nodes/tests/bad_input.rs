@@ -206,7 +206,7 @@ fn tools_too_short_too_long_or_too_thick_are_named() {
     assert!(d.message.contains("T10") && d.message.contains("mm shorter"), "{d}");
 
     let thick = machine(
-        |m| m["table"]["sacrificial"] = json!(4.0),
+        |m| m["table"]["sacrificial"] = json!(4.5),
         |t| {
             t["diameter"] = json!(140.0);
             t["shank_diameter"] = json!(140.0);

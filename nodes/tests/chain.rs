@@ -47,7 +47,7 @@ fn prove_shell(mesh: &Mesh, thickness: f64, rule: &FastenerRule, up: Up, grain: 
     let paths = cut_parts(&parts, &file.machine, &params, &go).unwrap();
     assert!(!paths.failed.contains(&true), "{}", paths.issues[0]);
     parts.leave_to_hand(paths.unmade_features());
-    let goods = Goods { grain, ..Goods::of_parts(&parts, &paths, &file.machine, &params) };
+    let goods = Goods { grain, ..Goods::of_parts(&parts, &paths, &file.machine) };
     let board = Board { size: DVec2::new(1500.0, 3000.0), thickness, margin: 5.0 };
     let packed = RowPacker::default().pack(&goods, &board, &go).unwrap();
     assert!(packed.left_out.is_empty());

@@ -36,9 +36,9 @@ pub fn shell() -> Value {
             "machining": { "type": "machining", "v": 1 },
             "screws": { "type": "detail", "v": 1, "inputs": { "panels": wire("thicken.panels"), "machine": wire("machine.machine") } },
             "map": { "type": "map", "v": 1, "inputs": { "panels": wire("thicken.panels"), "features": wire("screws.features") } },
-            "pack": { "type": "pack", "v": 1, "inputs": { "parts": wire("map.parts"), "machine": wire("machine.machine"), "machining": wire("machining.machining") } },
-            "paths": { "type": "toolpath", "v": 1, "inputs": { "parts": wire("map.parts"), "layout": wire("pack.layout"), "machine": wire("machine.machine"), "machining": wire("machining.machining") } },
-            "post": { "type": "post", "v": 1, "inputs": { "paths": wire("paths.paths"), "parts": wire("map.parts"), "machine": wire("machine.machine") } },
+            "pack": { "type": "pack", "v": 1, "inputs": { "parts": wire("map.parts"), "machine": wire("machine.machine"), "paths": wire("paths.paths") } },
+            "paths": { "type": "toolpath", "v": 1, "inputs": { "parts": wire("map.parts"), "machine": wire("machine.machine"), "machining": wire("machining.machining") } },
+            "post": { "type": "post", "v": 1, "inputs": { "paths": wire("paths.paths"), "layout": wire("pack.layout"), "parts": wire("map.parts"), "machine": wire("machine.machine") } },
             "prove": { "type": "prove", "v": 1, "inputs": { "programs": wire("post.programs"), "parts": wire("map.parts"), "layout": wire("pack.layout"), "machine": wire("machine.machine") } },
             "gcode": { "type": "write_gcode", "v": 1, "inputs": { "programs": wire("prove.programs") } }
         }

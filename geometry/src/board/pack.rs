@@ -6,7 +6,7 @@ use super::facet::piece_outline;
 use super::outline::cleared_outlines;
 use super::part::{Board, Layout, PartSet, Placement};
 use crate::machine::Machine;
-use crate::motion::{PartPaths, PathParams};
+use crate::motion::PartPaths;
 use glam::DVec2;
 
 /// How parts may be turned on the board.
@@ -57,11 +57,11 @@ impl Goods {
     /// The goods of a part set and its tool paths: work pieces and what is cleared to make them, a part that cannot
     /// be cut out left empty. O(moves).
     #[must_use]
-    pub fn of_parts(parts: &PartSet, paths: &PartPaths, machine: &Machine, params: &PathParams) -> Self {
+    pub fn of_parts(parts: &PartSet, paths: &PartPaths, machine: &Machine) -> Self {
         let failed = |i: usize| paths.failed.get(i).copied().unwrap_or(true);
         let outline = |i| if failed(i) { Vec::new() } else { piece_outline(&parts.panels, i) };
         let piece: Vec<Vec<DVec2>> = (0..parts.panels.len()).map(outline).collect();
-        let cleared = cleared_outlines(&piece, paths, machine, parts.panels.thickness + params.clearance);
+        let cleared = cleared_outlines(&piece, paths, machine, parts.panels.thickness + paths.clearance);
         Self::new(piece, cleared)
     }
 

@@ -130,7 +130,7 @@ proptest! {
         let parts = map_parts(&set, &FeatureSet::default(), &MapParams::default()).0;
         let params = PathParams::default();
         let paths = cut_parts(&parts, &machine, &params, &go).unwrap();
-        let goods = Goods::of_parts(&parts, &paths, &machine, &params);
+        let goods = Goods::of_parts(&parts, &paths, &machine);
         let c = &goods.cleared[0];
         let inside = |p: DVec2| (0..c.len()).all(|k| {
             let (a, b) = (c[k], c[(k + 1) % c.len()]);
@@ -179,7 +179,7 @@ fn the_shell_fits_on_four_boards_and_every_layout_is_valid() {
     assert!(paths.issues.is_empty(), "{}", paths.issues[0]);
     let board = Board { size: DVec2::new(1500.0, 3000.0), thickness: 10.0, margin: 5.0 };
     for grain in [Grain::Directed, Grain::Axis, Grain::Free] {
-        let goods = Goods { grain, ..Goods::of_parts(&parts, &paths, &machine, &params) };
+        let goods = Goods { grain, ..Goods::of_parts(&parts, &paths, &machine) };
         let packed = RowPacker::default().pack(&goods, &board, &go).unwrap();
         assert!(packed.left_out.is_empty());
         assert_eq!(packed.layout.placements.len(), 256);
@@ -192,7 +192,7 @@ fn the_shell_fits_on_four_boards_and_every_layout_is_valid() {
         assert!(packed.layout.boards <= 4);
         assert_eq!(check_layout(&packed.layout, Bounds::Cleared, 1e-6), []);
         if grain == Grain::Directed {
-            let (placed, issues) = tool_paths(&parts, &packed.layout, &machine, &params, &go).unwrap();
+            let (placed, issues) = place_paths(&paths, &packed.layout, &machine);
             assert!(issues.is_empty());
             let key = |o: &Operation| (o.board, o.purpose, o.tool);
             assert!(
@@ -211,7 +211,7 @@ fn same_bytes_for_any_number_of_threads() {
         pool.install(|| {
             let (machine, parts, params) = (test_machine(), shell_parts(), PathParams::default());
             let paths = cut_parts(&parts, &machine, &params, &go).unwrap();
-            let goods = Goods::of_parts(&parts, &paths, &machine, &params);
+            let goods = Goods::of_parts(&parts, &paths, &machine);
             let board = Board { size: DVec2::new(1500.0, 3000.0), thickness: 10.0, margin: 5.0 };
             let packed = RowPacker::default().pack(&goods, &board, &go).unwrap();
             let (placed, _) = place_paths(&paths, &packed.layout, &machine);
@@ -370,7 +370,7 @@ fn a_part_that_leaves_the_travel_is_named_and_left_out() {
     let parts = part([0.0; 4], 0.0, Up::Front, 10.0);
     let params = PathParams::default();
     let paths = cut_parts(&parts, &machine, &params, &go).unwrap();
-    let goods = Goods::of_parts(&parts, &paths, &machine, &params);
+    let goods = Goods::of_parts(&parts, &paths, &machine);
     let board = Board { size: DVec2::new(1500.0, 3000.0), thickness: 10.0, margin: 5.0 };
     let mut layout = RowPacker::default().pack(&goods, &board, &go).unwrap().layout;
     layout.placements[0].offset.x = 1500.0;

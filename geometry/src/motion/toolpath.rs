@@ -26,6 +26,8 @@ pub struct PartPaths {
     pub failed: Vec<bool>,
     /// What cannot be made, by part.
     pub issues: Vec<PathIssue>,
+    /// Distance kept above the board by approaches, holder and spindle, mm ([`PathParams::clearance`]).
+    pub clearance: f64,
 }
 
 impl PartPaths {
@@ -92,7 +94,7 @@ pub fn cut_parts(
     if cancelled.into_inner() {
         return Err(PathError::Cancelled);
     }
-    let mut all = PartPaths { operation_start: vec![0], ..PartPaths::default() };
+    let mut all = PartPaths { operation_start: vec![0], clearance: params.clearance, ..PartPaths::default() };
     for (trace, issues, failed) in single {
         append(&mut all.paths, trace.paths);
         all.operation_start.push(all.paths.operations.len() as u32);
@@ -299,22 +301,4 @@ pub fn place_paths(paths: &PartPaths, layout: &Layout, machine: &Machine) -> (To
         out.operations.push(Operation { board, moves: from..out.tip.len() as u32, ..op.clone() });
     }
     (out, issues)
-}
-
-/// [`cut_parts`] and [`place_paths`] in one: the tool paths of a layout and all that could not be made.
-///
-/// # Errors
-/// Those of [`cut_parts`].
-pub fn tool_paths(
-    parts: &PartSet,
-    layout: &Layout,
-    machine: &Machine,
-    params: &PathParams,
-    progress: &(dyn Fn(f64) -> bool + Sync),
-) -> Result<(ToolPaths, Vec<PathIssue>), PathError> {
-    let own = cut_parts(parts, machine, params, progress)?;
-    let (placed, unplaceable) = place_paths(&own, layout, machine);
-    let mut issues = own.issues;
-    issues.extend(unplaceable);
-    Ok((placed, issues))
 }

@@ -1,12 +1,11 @@
 //! `pack`: parts onto boards.
 
-use crate::motion::{issue_fail, path_fail};
 use crate::post::MachineFile;
 use crate::value::V;
 use tenon_engine::{Call, Fail, NodeType, Port, Text, Unit};
 use tenon_geometry::DVec2;
 use tenon_geometry::board::{Board, Bounds, Goods, Grain, Layout, PackError, Packer, PartSet, RowPacker};
-use tenon_geometry::motion::{PathParams, Place, cut_parts};
+use tenon_geometry::motion::PartPaths;
 
 pub(super) fn node() -> NodeType {
     NodeType::new("pack", 1)
@@ -20,7 +19,7 @@ pub(super) fn node() -> NodeType {
         .slow()
         .input(Port::item::<V<PartSet>>("parts").doc("The mapped parts."))
         .input(Port::item::<V<MachineFile>>("machine").doc("The machine with its tools."))
-        .input(Port::item::<V<PathParams>>("machining").doc("How contours are cut; the same as for the tool paths."))
+        .input(Port::item::<V<PartPaths>>("paths").doc("Their tool paths: what tools sweep is kept clear."))
         .input(Port::item::<f64>("board_x").unit(Unit::Length).range(1.0, 1e5).default(1500.0).doc("Length of a board along X."))
         .input(Port::item::<f64>("board_y").unit(Unit::Length).range(1.0, 1e5).default(3000.0).doc("Length of a board along Y."))
         .input(Port::item::<f64>("margin").unit(Unit::Length).range(0.0, 1e4).default(10.0).doc("Border of the board that stays free."))
@@ -35,15 +34,10 @@ pub(super) fn node() -> NodeType {
 }
 
 fn run(c: &mut Call) -> Result<(), Fail> {
-    let (parts, machine, machining) =
-        (c.item::<V<PartSet>>("parts")?, c.item::<V<MachineFile>>("machine")?, c.item::<V<PathParams>>("machining")?);
+    let parts = c.item::<V<PartSet>>("parts")?;
+    let machine = &c.item::<V<MachineFile>>("machine")?.machine;
     let monitor = c.monitor();
-    let paths =
-        cut_parts(parts, &machine.machine, machining, &|f| monitor.progress(0.2 * f)).map_err(|e| path_fail(&e))?;
-    for issue in paths.issues.iter().filter(|i| matches!(i.place, Place::Facet(_))) {
-        c.report(issue_fail(issue));
-    }
-    let mut goods = Goods::of_parts(parts, &paths, &machine.machine, machining);
+    let mut goods = Goods::of_parts(parts, c.item::<V<PartPaths>>("paths")?, machine);
     goods.gap = c.number("gap")?;
     goods.grain = match c.text("turns")? {
         "half" => Grain::Axis,
@@ -57,7 +51,7 @@ fn run(c: &mut Call) -> Result<(), Fail> {
         margin: c.number("margin")?,
     };
     let packer = RowPacker { keep_order: c.boolean("keep_order")? };
-    let packed = packer.pack(&goods, &board, &|f| monitor.progress(0.2 + 0.8 * f)).map_err(|e| pack_fail(&e))?;
+    let packed = packer.pack(&goods, &board, &|f| monitor.progress(f)).map_err(|e| pack_fail(&e))?;
     for error in &packed.left_out {
         c.report(pack_fail(error));
     }

@@ -12,7 +12,7 @@ pub(super) fn node() -> NodeType {
     NodeType::new("machining", 1)
         .name("Machining")
         .category("Machine")
-        .doc("How contours and holes are cut; pack and toolpath must be given the same. (000 §7.3)")
+        .doc("How contours and holes are cut. (000 §7.3)")
         .keywords(&["strategy", "passes", "overrun", "feeds"])
         .input(
             Port::item::<i64>("contour_tool")

@@ -1,23 +1,27 @@
-//! `post`: tool paths in the machine's words.
+//! `post`: tool paths on their boards, in the machine's words.
 
+use super::issue_fail;
 use crate::post::{MachineFile, PostError, PostParams, post};
 use crate::value::{Program, Standing, V};
 use std::sync::Arc;
 use tenon_engine::{Fail, NodeType, Port, Text};
-use tenon_geometry::board::PartSet;
-use tenon_geometry::motion::ToolPaths;
+use tenon_geometry::board::{Layout, PartSet};
+use tenon_geometry::motion::{PartPaths, ToolPaths, place_paths};
 
 pub(super) fn node() -> NodeType {
     NodeType::new("post", 1)
         .name("Post")
         .category("Machine")
-        .doc("Writes one program per board in the machine's words, angles within its limits. (000 §7.3.4)")
+        .doc("Puts the tool paths of all parts on their boards, fixing holes first and contours last, and writes one program per \
+             board in the machine's words, angles within its limits. (000 §7.3.4)")
         .keywords(&["g-code", "nc", "program", "maka"])
-        .input(Port::item::<V<ToolPaths>>("paths").doc("Tool paths of all boards."))
+        .input(Port::item::<V<PartPaths>>("paths").doc("Tool paths of all parts."))
+        .input(Port::item::<V<Layout>>("layout").doc("Where the parts lie."))
         .input(Port::item::<V<PartSet>>("parts").doc("The parts, for their addresses."))
         .input(Port::item::<V<MachineFile>>("machine").doc("The machine with its words."))
         .input(Port::item::<Text>("name").default("board").doc("Programs are called name-1, name-2 and so on."))
         .output(Port::list::<Program>("programs").doc("One program per board, not yet proven."))
+        .output(Port::item::<V<ToolPaths>>("moves").doc("Operations and moves of all boards, in machining order."))
         .run(|c| {
             let machine = c.item::<V<MachineFile>>("machine")?;
             let params = PostParams {
@@ -25,11 +29,16 @@ pub(super) fn node() -> NodeType {
                 addresses: &c.item::<V<PartSet>>("parts")?.panels.address,
                 header: &[],
             };
-            let posted = post(c.item::<V<ToolPaths>>("paths")?, &machine.machine, &machine.words, &params)
-                .map_err(|e| post_fail(&e))?;
+            let (moves, issues) =
+                place_paths(c.item::<V<PartPaths>>("paths")?, c.item::<V<Layout>>("layout")?, &machine.machine);
+            for issue in &issues {
+                c.report(issue_fail(issue));
+            }
+            let posted = post(&moves, &machine.machine, &machine.words, &params).map_err(|e| post_fail(&e))?;
             let programs =
                 posted.into_iter().map(|p| Program { posted: Arc::new(p), standing: Standing::Unproven }).collect();
             c.set_list("programs", programs);
+            c.set("moves", V::new(moves));
             Ok(())
         })
 }

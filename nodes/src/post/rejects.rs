@@ -56,7 +56,7 @@ fn chain_on(machine: &str, columns: usize, rows: usize, thickness: f64) -> Chain
     parts.features.features.retain(|_| !out_of_reach(index.next().unwrap()));
     let paths = cut_parts(&parts, &file.machine, &path_params, &|_| true).unwrap();
     assert!(paths.issues.is_empty(), "{:?}", paths.issues);
-    let goods = Goods::of_parts(&parts, &paths, &file.machine, &path_params);
+    let goods = Goods::of_parts(&parts, &paths, &file.machine);
     let board = Board { size: tenon_geometry::DVec2::new(1500.0, 3000.0), thickness, margin: 10.0 };
     let packed = RowPacker::default().pack(&goods, &board, &|_| true).unwrap();
     assert!(packed.left_out.is_empty(), "{:?}", packed.left_out);

@@ -98,6 +98,7 @@ pub fn register(registry: &mut Registry) {
     registry.register_type::<V<tenon_geometry::board::PartSet>>();
     registry.register_type::<V<tenon_geometry::board::Layout>>();
     registry.register_type::<V<tenon_geometry::motion::PathParams>>();
+    registry.register_type::<V<tenon_geometry::motion::PartPaths>>();
     registry.register_type::<V<tenon_geometry::motion::ToolPaths>>();
     registry.register_type::<V<crate::post::MachineFile>>();
     registry.register_type::<Program>();

@@ -3,7 +3,7 @@
 use super::{Carried, digest_points};
 use serde_json::json;
 use tenon_engine::{Digester, Json};
-use tenon_geometry::motion::{MoveKind, PathParams, Purpose, ToolPaths};
+use tenon_geometry::motion::{MoveKind, PartPaths, PathParams, Purpose, ToolPaths};
 
 impl Carried for ToolPaths {
     const TYPE: &'static str = "tool_paths";
@@ -79,5 +79,26 @@ impl Carried for PathParams {
     }
     fn summary(&self) -> String {
         format!("passes of {} mm, {} mm overrun", self.max_step, self.overrun)
+    }
+}
+
+impl Carried for PartPaths {
+    const TYPE: &'static str = "part_paths";
+    fn digest(&self, d: &mut Digester) {
+        Carried::digest(&self.paths, d);
+        self.operation_start.iter().for_each(|o| d.u32(*o));
+        self.failed.iter().for_each(|f| d.bool(*f));
+        d.f64(self.clearance);
+    }
+    fn heap_bytes(&self) -> usize {
+        Carried::heap_bytes(&self.paths) + self.operation_start.len() * 5
+    }
+    fn to_json(&self) -> Json {
+        Carried::to_json(&self.paths)
+    }
+    fn summary(&self) -> String {
+        let failed = self.failed.iter().filter(|f| **f).count();
+        let lost = if failed > 0 { format!(", {failed} parts cannot be cut out") } else { String::new() };
+        format!("{} of {} parts{lost}", Carried::summary(&self.paths), self.failed.len())
     }
 }
