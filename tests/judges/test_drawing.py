@@ -5,10 +5,10 @@ from xml.etree import ElementTree
 
 import ezdxf
 import pytest
-from conftest import GRAPHS
+from conftest import RUNS
 
 
-@pytest.mark.parametrize("graph", GRAPHS)
+@pytest.mark.parametrize("graph", RUNS)
 def test_dxf_reads_strictly_and_holds_every_piece(outputs, graph):
     made = outputs(graph)
     drawing = ezdxf.readfile(made.folder / "layout.dxf")
@@ -26,7 +26,7 @@ def test_dxf_reads_strictly_and_holds_every_piece(outputs, graph):
     assert {p["address"] for p in made.layout["pieces"]} <= texts
 
 
-@pytest.mark.parametrize("graph", GRAPHS)
+@pytest.mark.parametrize("graph", RUNS)
 def test_svg_holds_every_piece(outputs, graph):
     made = outputs(graph)
     root = ElementTree.parse(made.folder / "layout.svg").getroot()
@@ -37,7 +37,7 @@ def test_svg_holds_every_piece(outputs, graph):
     assert {p["address"] for p in made.layout["pieces"]} <= texts
 
 
-@pytest.mark.parametrize("graph", GRAPHS)
+@pytest.mark.parametrize("graph", RUNS)
 def test_csv_agrees_with_json(outputs, graph):
     made = outputs(graph)
     with open(made.folder / "pieces.csv", newline="") as file:

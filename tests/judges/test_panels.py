@@ -1,10 +1,10 @@
 """trimesh on every panel."""
 
 import pytest
-from conftest import GRAPHS
+from conftest import RUNS
 
 
-@pytest.mark.parametrize("graph", GRAPHS)
+@pytest.mark.parametrize("graph", RUNS)
 def test_panels_are_closed_and_as_large_as_listed(outputs, graph):
     made = outputs(graph)
     assert set(made.panels) == set(made.piece_of)
