@@ -5,7 +5,6 @@ use super::convex::{self, bounds, clip, hull, separation};
 use super::facet::{facets, piece_outline};
 use super::part::PartSet;
 use crate::joint::{Feature, Machining};
-use crate::mesh::Address;
 use crate::motion::glyph::text_size;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -78,13 +77,6 @@ pub enum MarkIssue {
     },
 }
 
-/// The text of an address: `row.column`, with the patch in front where a set has several.
-#[must_use]
-pub fn address_text(address: Address, patches: bool) -> String {
-    let Address { patch, row, column } = address;
-    if patches { format!("{patch}.{row}.{column}") } else { format!("{row}.{column}") }
-}
-
 /// Adds fixing holes and addresses to the features of every part; the features come out ordered by panel. Returns
 /// the panels whose marks do not fit. O(parts · (features per part + candidates)).
 pub(super) fn add_marks(
@@ -101,7 +93,6 @@ pub(super) fn add_marks(
             None => stray.push(f),
         }
     }
-    let patches = parts.panels.address.iter().any(|a| a.patch != 0);
     let issues: Vec<Vec<MarkIssue>> = own
         .par_iter_mut()
         .enumerate()
@@ -113,7 +104,7 @@ pub(super) fn add_marks(
                     issues.extend(fix(parts, i, rule, &mut taken, features));
                 }
                 if let Some(rule) = address {
-                    let text = address_text(parts.panels.address[i], patches);
+                    let text = parts.panels.address[i].to_string();
                     issues.extend(engrave(parts, i, rule, text, &taken, features));
                 }
             }
@@ -319,6 +310,8 @@ mod tests {
     use crate::board::testing::{Shape, panel_set, slanted_quad};
     use crate::board::{MapIssue, MapParams, Up, map_parts};
     use crate::joint::FeatureSet;
+    use crate::mesh::Address;
+    use crate::motion::glyph::text_strokes;
     use glam::DAffine3;
     use proptest::prelude::*;
 
@@ -436,9 +429,8 @@ mod tests {
     }
 
     #[test]
-    fn addresses_name_their_patch_where_there_are_several() {
+    fn addresses_of_every_patch_can_be_engraved() {
         let address = Address { patch: 2, row: 3, column: 12 };
-        assert_eq!(address_text(address, false), "3.12");
-        assert_eq!(address_text(address, true), "2.3.12");
+        assert!(text_strokes(&address.to_string(), 10.0).is_ok(), "{address}");
     }
 }

@@ -5,11 +5,6 @@ use serde_json::json;
 use tenon_engine::{Digester, Json};
 use tenon_geometry::mesh::{Address, Mesh};
 
-/// `row.column`, with the patch in front where there are several.
-pub(crate) fn address_text(a: Address) -> String {
-    a.to_string()
-}
-
 pub(crate) fn digest_addresses(d: &mut Digester, addresses: &[Address]) {
     d.u64(addresses.len() as u64);
     for a in addresses {
@@ -35,7 +30,7 @@ impl Carried for Mesh {
         json!({
             "points": self.points.iter().map(|p| xyz(*p)).collect::<Vec<_>>(),
             "faces": (0..self.face_count()).map(|f| self.face(f)).collect::<Vec<_>>(),
-            "addresses": self.addresses.iter().map(|a| address_text(*a)).collect::<Vec<_>>(),
+            "addresses": self.addresses.iter().map(ToString::to_string).collect::<Vec<_>>(),
         })
     }
     fn from_json(json: &Json) -> Result<Self, String> {

@@ -1,6 +1,6 @@
 //! Panel sets. JSON: one object per panel with its address, loops, chamfers and neighbours; `null` for a failed panel.
 
-use super::{Carried, digest_points, mesh::address_text, mesh::digest_addresses, xyz};
+use super::{Carried, digest_points, mesh::digest_addresses, xyz};
 use serde_json::json;
 use tenon_engine::{Digester, Json};
 use tenon_geometry::panel::{PanelSet, Side};
@@ -43,12 +43,12 @@ impl Carried for PanelSet {
                         "front": xyz(self.front[k]),
                         "back": [xyz(self.back_start[k]), xyz(self.back_end[k])],
                         "chamfer": xyz(self.chamfer[k].normal),
-                        "neighbour": self.neighbour[k].map(|n| address_text(self.address[n.panel as usize])),
+                        "neighbour": self.neighbour[k].map(|n| self.address[n.panel as usize].to_string()),
                         "voided": self.voided[k],
                     })
                 })
                 .collect();
-            json!({ "address": address_text(self.address[i]), "normal": xyz(self.normal[i]), "edges": edges })
+            json!({ "address": self.address[i].to_string(), "normal": xyz(self.normal[i]), "edges": edges })
         };
         json!({ "thickness": self.thickness, "panels": (0..self.len()).map(panel).collect::<Vec<_>>() })
     }
