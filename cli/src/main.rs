@@ -20,6 +20,9 @@ use clap::Parser;
 use std::process::ExitCode;
 use words::{Voice, Wrong};
 
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 /// How a call that was right ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {

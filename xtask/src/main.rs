@@ -7,6 +7,10 @@ mod picture;
 
 use std::process::ExitCode;
 
+/// The allocator of the `tenon` binary, so that what is measured is what people run.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 const USAGE: &str = "\
 cargo xtask bench chain [CASE]...   measure the chain; one JSON line per figure (docs/benchmarks.md)
 cargo xtask docs [--check]          write docs/nodes.md from the registry, or only compare

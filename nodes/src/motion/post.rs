@@ -6,7 +6,7 @@ use crate::value::{Program, Standing, V};
 use std::sync::Arc;
 use tenon_engine::{Fail, NodeType, Port, Text};
 use tenon_geometry::board::{Layout, PartSet};
-use tenon_geometry::motion::{PartPaths, ToolPaths, place_paths};
+use tenon_geometry::motion::{PartPaths, place_paths};
 
 pub(super) fn node() -> NodeType {
     NodeType::new("post", 1)
@@ -21,7 +21,6 @@ pub(super) fn node() -> NodeType {
         .input(Port::item::<V<MachineFile>>("machine").doc("The machine with its words."))
         .input(Port::item::<Text>("name").default("board").doc("Programs are called name-1, name-2 and so on."))
         .output(Port::list::<Program>("programs").doc("One program per board, not yet proven."))
-        .output(Port::item::<V<ToolPaths>>("moves").doc("Operations and moves of all boards, in machining order."))
         .run(|c| {
             let machine = c.item::<V<MachineFile>>("machine")?;
             let params = PostParams {
@@ -38,7 +37,6 @@ pub(super) fn node() -> NodeType {
             let programs =
                 posted.into_iter().map(|p| Program { posted: Arc::new(p), standing: Standing::Unproven }).collect();
             c.set_list("programs", programs);
-            c.set("moves", V::new(moves));
             Ok(())
         })
 }
