@@ -105,7 +105,10 @@ impl Svg {
         self.polygon("piece", &piece.piece);
         self.polygon("upper", &piece.upper);
         self.polygon("lower", &piece.lower);
-        self.label("address", &piece.label);
+        // Where the address is engraved it reads by itself; a second one would only lie over it.
+        if piece.engraved.iter().all(|text| text.text != piece.address) {
+            self.label("address", &piece.label);
+        }
         for cut in &piece.cuts {
             self.polygon("cut", cut);
         }
