@@ -1,6 +1,6 @@
 //! `map`: panels to the machine plane.
 
-use crate::value::{V, Vector};
+use crate::value::{V, Vector, with_address};
 use tenon_engine::{Call, Fail, NodeType, Port, Text, Unit};
 use tenon_geometry::board::{AddressMark, Align, FixingHoles, GrainAxis, MapIssue, MapParams, PartSet, Up, map_parts};
 use tenon_geometry::joint::FeatureSet;
@@ -61,7 +61,7 @@ fn run(c: &mut Call) -> Result<(), Fail> {
             MapIssue::NoDirection { panel, .. } => (*panel, "map-no-direction"),
             MapIssue::Mark { panel, .. } => (*panel, "mark-does-not-fit"),
         };
-        c.warn(Fail::new(code, issue.to_string()).port("panels").item(panel as usize));
+        c.warn(Fail::new(code, with_address(&parts.panels, panel, issue)).port("panels").item(panel as usize));
     }
     c.set("parts", V::new(parts));
     Ok(())

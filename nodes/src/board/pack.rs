@@ -1,7 +1,7 @@
 //! `pack`: parts onto boards.
 
 use crate::post::MachineFile;
-use crate::value::V;
+use crate::value::{V, with_address};
 use tenon_engine::{Call, Fail, NodeType, Port, Text, Unit};
 use tenon_geometry::DVec2;
 use tenon_geometry::board::{Board, Bounds, Goods, Grain, Layout, PackError, Packer, PartSet, RowPacker};
@@ -51,9 +51,9 @@ fn run(c: &mut Call) -> Result<(), Fail> {
         margin: c.number("margin")?,
     };
     let packer = RowPacker { keep_order: c.boolean("keep_order")? };
-    let packed = packer.pack(&goods, &board, &|f| monitor.progress(f)).map_err(|e| pack_fail(&e))?;
+    let packed = packer.pack(&goods, &board, &|f| monitor.progress(f)).map_err(|e| pack_fail(parts, &e))?;
     for error in &packed.left_out {
-        c.report(pack_fail(error));
+        c.report(pack_fail(parts, error));
     }
     let layout = packed.layout;
     let used: f64 =
@@ -65,10 +65,12 @@ fn run(c: &mut Call) -> Result<(), Fail> {
     Ok(())
 }
 
-fn pack_fail(error: &PackError) -> Fail {
+fn pack_fail(parts: &PartSet, error: &PackError) -> Fail {
     match error {
         PackError::TooLarge { part, .. } => {
-            Fail::new("part-larger-than-board", error.to_string()).port("parts").item(*part as usize)
+            Fail::new("part-larger-than-board", with_address(&parts.panels, *part, error))
+                .port("parts")
+                .item(*part as usize)
         }
         PackError::NoArea { .. } => Fail::new("board-no-area", error.to_string()).port("margin"),
         PackError::Gap { .. } => Fail::new("out-of-range", error.to_string()).port("gap"),

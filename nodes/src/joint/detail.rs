@@ -1,7 +1,7 @@
 //! `detail`: fasteners along edges.
 
 use crate::post::MachineFile;
-use crate::value::{V, Vector};
+use crate::value::{V, Vector, with_address};
 use tenon_engine::{Call, Fail, NodeType, Port, Text, Unit};
 use tenon_geometry::board::Up;
 use tenon_geometry::joint::{
@@ -56,7 +56,7 @@ fn run(c: &mut Call) -> Result<(), Fail> {
     let panels = c.item::<V<PanelSet>>("panels")?;
     let (mut features, issues) = lay_fasteners(panels, &rule).map_err(|e| rule_fail(&e))?;
     for issue in &issues {
-        if issue.is_fatal() { c.report(issue_fail(issue)) } else { c.warn(issue_fail(issue)) }
+        if issue.is_fatal() { c.report(issue_fail(panels, issue)) } else { c.warn(issue_fail(panels, issue)) }
     }
     if let Some(machine) = c.optional::<V<MachineFile>>("machine") {
         let by_hand = c.text("out_of_reach")? == "by hand";
@@ -67,7 +67,8 @@ fn run(c: &mut Call) -> Result<(), Fail> {
         let (reached, issues) = check_reach(panels, features, &machine.machine, &reach);
         features = reached;
         for issue in &issues {
-            let fail = Fail::new("feature-out-of-reach", issue.to_string()).port("machine").item(issue.panel as usize);
+            let message = with_address(panels, issue.panel, issue);
+            let fail = Fail::new("feature-out-of-reach", message).port("machine").item(issue.panel as usize);
             if issue.by_hand { c.warn(fail) } else { c.report(fail) }
         }
     }
@@ -124,7 +125,7 @@ fn up(c: &Call) -> Result<Up, Fail> {
     Ok(if c.text("up")? == "front" { Up::Front } else { Up::Back })
 }
 
-fn issue_fail(issue: &JointIssue) -> Fail {
+fn issue_fail(panels: &PanelSet, issue: &JointIssue) -> Fail {
     let code = match issue {
         JointIssue::EdgeTooShort { .. } => "edge-too-short",
         JointIssue::ThinWood { .. } => "hole-thin-wood",
@@ -133,7 +134,8 @@ fn issue_fail(issue: &JointIssue) -> Fail {
         JointIssue::AlongChamfer { .. } => "fastener-along-chamfer",
         JointIssue::HolesMeet { .. } => "holes-meet",
     };
-    Fail::new(code, issue.to_string()).port("panels").item(issue.place().0 as usize)
+    let panel = issue.place().0;
+    Fail::new(code, with_address(panels, panel, issue)).port("panels").item(panel as usize)
 }
 
 fn rule_fail(error: &FastenerError) -> Fail {

@@ -3,7 +3,9 @@
 mod post;
 mod toolpath;
 
+use crate::value::with_address;
 use tenon_engine::{Fail, NodeType};
+use tenon_geometry::board::PartSet;
 use tenon_geometry::motion::{PathError, PathIssue};
 
 pub(crate) fn nodes() -> Vec<NodeType> {
@@ -11,8 +13,8 @@ pub(crate) fn nodes() -> Vec<NodeType> {
 }
 
 /// What cannot be made on one part, in the words of a diagnostic.
-pub(crate) fn issue_fail(issue: &PathIssue) -> Fail {
-    fail(&issue.error, issue.to_string()).item(issue.part as usize)
+pub(crate) fn issue_fail(parts: &PartSet, issue: &PathIssue) -> Fail {
+    fail(&issue.error, with_address(&parts.panels, issue.part, issue)).item(issue.part as usize)
 }
 
 /// A path error in the words of a diagnostic.

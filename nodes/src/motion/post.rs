@@ -23,15 +23,16 @@ pub(super) fn node() -> NodeType {
         .output(Port::list::<Program>("programs").doc("One program per board, not yet proven."))
         .run(|c| {
             let machine = c.item::<V<MachineFile>>("machine")?;
+            let parts = c.item::<V<PartSet>>("parts")?;
             let params = PostParams {
                 name: c.text("name")?,
-                addresses: &c.item::<V<PartSet>>("parts")?.panels.address,
+                addresses: &parts.panels.address,
                 header: &[],
             };
             let (moves, issues) =
                 place_paths(c.item::<V<PartPaths>>("paths")?, c.item::<V<Layout>>("layout")?, &machine.machine);
             for issue in &issues {
-                c.report(issue_fail(issue));
+                c.report(issue_fail(parts, issue));
             }
             let posted = post(&moves, &machine.machine, &machine.words, &params).map_err(|e| post_fail(&e))?;
             let programs =

@@ -26,7 +26,7 @@ pub(super) fn node() -> NodeType {
             let monitor = c.monitor();
             let paths = cut_parts(parts, machine, machining, &|f| monitor.progress(f)).map_err(|e| path_fail(&e))?;
             for issue in &paths.issues {
-                c.report(issue_fail(issue));
+                c.report(issue_fail(parts, issue));
             }
             c.set("paths", V::new(paths));
             Ok(())

@@ -1,7 +1,7 @@
 //! `thicken`: faces become panels.
 
 use crate::mesh::mesh_fail;
-use crate::value::{V, Vector};
+use crate::value::{V, Vector, with_address};
 use tenon_engine::{Call, Fail, NodeType, Port, Text, Unit};
 use tenon_geometry::mesh::Mesh;
 use tenon_geometry::panel::{BorderCut, BorderRule, Nodes, PanelIssue, PanelSet, ThickenError, ThickenParams, thicken};
@@ -69,12 +69,12 @@ fn run(c: &mut Call) -> Result<(), Fail> {
     if !panels.is_empty() && issues.iter().filter(|i| i.is_fatal()).count() == panels.len() {
         // Nothing is left to go on with: the first reason is the node's error, the others are reported beside it.
         for issue in &issues[1..] {
-            c.report(issue_fail(issue));
+            c.report(issue_fail(&panels, issue));
         }
-        return Err(issue_fail(&issues[0]));
+        return Err(issue_fail(&panels, &issues[0]));
     }
     for issue in &issues {
-        if issue.is_fatal() { c.report(issue_fail(issue)) } else { c.warn(issue_fail(issue)) }
+        if issue.is_fatal() { c.report(issue_fail(&panels, issue)) } else { c.warn(issue_fail(&panels, issue)) }
     }
     c.set("area", panels.net_front_area());
     c.set("voided", panels.voided.iter().filter(|v| **v).count() as i64);
@@ -99,7 +99,7 @@ fn cut(c: &Call, side: usize) -> Result<BorderCut, Fail> {
     })
 }
 
-fn issue_fail(issue: &PanelIssue) -> Fail {
+fn issue_fail(panels: &PanelSet, issue: &PanelIssue) -> Fail {
     let (code, port) = match issue {
         PanelIssue::NoArea { .. } => ("face-no-area", "mesh"),
         PanelIssue::ShortEdge { .. } => ("face-short-edge", "mesh"),
@@ -112,7 +112,7 @@ fn issue_fail(issue: &PanelIssue) -> Fail {
         PanelIssue::BorderLean { .. } => ("border-cut-too-flat", "mesh"),
         PanelIssue::OffsetFlips { .. } => ("thickness-flips-face", "thickness"),
     };
-    Fail::new(code, issue.to_string()).port(port).item(issue.face() as usize)
+    Fail::new(code, with_address(panels, issue.face(), issue)).port(port).item(issue.face() as usize)
 }
 
 fn thicken_fail(error: &ThickenError) -> Fail {

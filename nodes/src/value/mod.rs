@@ -15,6 +15,7 @@ mod program;
 mod proof;
 
 pub use curve::SegmentNames;
+pub(crate) use panel::with_address;
 pub use point::{Point, Vector};
 pub use program::{Program, Standing};
 

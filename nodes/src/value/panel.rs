@@ -59,6 +59,15 @@ impl Carried for PanelSet {
     }
 }
 
+/// `message` with the address of panel `i` behind it, by which people know it in the structure and on the board.
+pub(crate) fn with_address(panels: &PanelSet, i: u32, message: &impl ToString) -> String {
+    let message = message.to_string();
+    match panels.address.get(i as usize) {
+        Some(address) => format!("{message} [address {address}]"),
+        None => message,
+    }
+}
+
 /// A side's name in files.
 pub(crate) fn side_text(side: Side) -> &'static str {
     match side {
