@@ -4,5 +4,6 @@ mod bad_input;
 mod chain;
 mod common;
 mod graphs;
+mod order;
 mod registry;
 mod same_bytes;

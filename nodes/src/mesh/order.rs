@@ -2,7 +2,7 @@
 
 use super::mesh_fail;
 use crate::value::{Point, V, Vector};
-use tenon_engine::{Fail, NodeType, Port, Text, Unit};
+use tenon_engine::{Column, Fail, NodeType, Path, Port, Text, Tree, Unit};
 use tenon_geometry::mesh::{FaceKind, Front, Mesh, OrderKind, OrderParams, Start, order_faces};
 
 pub(super) fn node() -> NodeType {
@@ -35,6 +35,9 @@ pub(super) fn node() -> NodeType {
         )
         .output(Port::item::<V<Mesh>>("mesh").doc("The mesh in order, with addresses."))
         .output(Port::list::<Text>("kinds").doc("Per face: corner, border or centre."))
+        .output(Port::tree::<i64>("neighbours").doc(
+            "Per face a branch with the face across each of its edges (bottom, right, top, left); empty on the border.",
+        ))
         .output(
             Port::item::<Text>("order")
                 .doc("Where the addresses come from: grid, closed grid, patches, kept, or plain."),
@@ -91,6 +94,11 @@ pub(super) fn node() -> NodeType {
             });
             let kinds = kinds.collect();
             c.set_list("kinds", kinds);
+            let across = |f: usize| {
+                let faces = ordered.adjacency.neighbours(f as u32).map(|n| n.map(i64::from)).collect();
+                (Path(vec![f as i32]), Column::with_gaps::<i64>(faces))
+            };
+            c.set_tree("neighbours", Tree::from_branches((0..ordered.mesh.face_count()).map(across).collect()));
             c.set("order", Text::from(order));
             c.set("mesh", V::new(ordered.mesh));
             Ok(())

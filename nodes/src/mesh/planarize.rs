@@ -6,6 +6,9 @@ use tenon_engine::{Call, Fail, NodeType, Port, Unit};
 use tenon_geometry::mesh::Mesh;
 use tenon_geometry::planar::{PlanaritySummary, PlanarizeError, PlanarizeParams, Planarized, Rim, planarize};
 
+/// Growth of the greatest fold that is told as crumpling, degrees.
+const CRUMPLED: f64 = 10.0;
+
 pub(super) fn node() -> NodeType {
     let d = PlanarizeParams::default();
     let mut node = NodeType::new("planarize", 1)
@@ -36,6 +39,11 @@ pub(super) fn node() -> NodeType {
         .output(Port::item::<i64>("steps").unit(Unit::Count).doc("Steps taken."));
     for (when, word) in [("before", "given"), ("after", "planarized")] {
         node = node
+            .output(
+                Port::item::<f64>(format!("fold_{when}"))
+                    .unit(Unit::Angle)
+                    .doc(format!("Greatest angle between neighbouring faces, {word}.")),
+            )
             .output(
                 Port::item::<f64>(format!("corner_{when}"))
                     .unit(Unit::Length)
@@ -79,6 +87,14 @@ fn run(c: &mut Call) -> Result<(), Fail> {
     if !p.reached {
         c.warn(not_reached(&p, &params));
     }
+    let (before, after) = (p.fold_before.to_degrees(), p.fold_after.to_degrees());
+    if after > before + CRUMPLED {
+        let message =
+            format!("planarity was won by tilting faces: neighbours fold by up to {after:.1}°, by {before:.1}° before");
+        c.warn(Fail::new("crumpled", message).port("reach").hint("allow a larger reach, or planarize a coarser mesh"));
+    }
+    c.set("fold_before", before);
+    c.set("fold_after", after);
     for (when, summary) in [("before", p.before.summary()), ("after", p.after.summary())] {
         set_summary(c, when, &summary);
     }
