@@ -33,37 +33,29 @@ fn digest_xyz(v: DVec3, d: &mut Digester) {
     d.f64(v.z);
 }
 
-impl Item for Point {
-    const TYPE: &'static str = "point";
-    fn digest(&self, d: &mut Digester) {
-        digest_xyz(self.0, d);
-    }
-    fn to_json(&self) -> Json {
-        xyz(self.0)
-    }
-    fn from_json(json: &Json) -> Result<Self, String> {
-        read_xyz(json).map(Self)
-    }
-    fn summary(&self) -> String {
-        format!("({}, {}, {}) mm", self.0.x, self.0.y, self.0.z)
-    }
+/// Points and vectors differ in name and summary only.
+macro_rules! coordinates {
+    ($type:ident, $name:literal, $unit:literal) => {
+        impl Item for $type {
+            const TYPE: &'static str = $name;
+            fn digest(&self, d: &mut Digester) {
+                digest_xyz(self.0, d);
+            }
+            fn to_json(&self) -> Json {
+                xyz(self.0)
+            }
+            fn from_json(json: &Json) -> Result<Self, String> {
+                read_xyz(json).map(Self)
+            }
+            fn summary(&self) -> String {
+                format!(concat!("({}, {}, {})", $unit), self.0.x, self.0.y, self.0.z)
+            }
+        }
+    };
 }
 
-impl Item for Vector {
-    const TYPE: &'static str = "vector";
-    fn digest(&self, d: &mut Digester) {
-        digest_xyz(self.0, d);
-    }
-    fn to_json(&self) -> Json {
-        xyz(self.0)
-    }
-    fn from_json(json: &Json) -> Result<Self, String> {
-        read_xyz(json).map(Self)
-    }
-    fn summary(&self) -> String {
-        format!("({}, {}, {})", self.0.x, self.0.y, self.0.z)
-    }
-}
+coordinates!(Point, "point", " mm");
+coordinates!(Vector, "vector", "");
 
 impl Carried for Plane {
     const TYPE: &'static str = "plane";
