@@ -26,7 +26,7 @@ class Panel:
 
 
 class Outputs:
-    """The folder of one run; see docs for the files in it."""
+    """The folder of one run; see docs/outputs.md for the files in it."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
