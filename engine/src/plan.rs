@@ -9,7 +9,7 @@ use crate::evaluate::matching::Matching;
 use crate::port::Port;
 use crate::registry::{NodeType, Registry};
 use crate::value::Tree;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 /// No node type: the document names one that nobody knows.
@@ -177,8 +177,9 @@ impl Plan {
                     continue;
                 };
                 let from = self.wires.len() as u32;
-                for (i, source) in wires.from.iter().enumerate() {
-                    if wires.from[..i].contains(source) {
+                let mut seen = HashSet::new();
+                for source in &wires.from {
+                    if wires.from.len() > 1 && !seen.insert(source) {
                         let message = format!("the wire from {source} comes in twice");
                         self.error(n, None, Diagnostic::error("duplicate-wire", message).at(id).port(name));
                         continue;

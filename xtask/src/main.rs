@@ -13,6 +13,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 const USAGE: &str = "\
 cargo xtask bench chain [CASE]...   measure the chain; one JSON line per figure (docs/benchmarks.md)
+cargo xtask bench engine [NODES]... the engine beside its peers, at these sizes or at all
 cargo xtask docs [--check]          write docs/nodes.md from the registry, or only compare
 cargo xtask picture                  draw docs/shell-256.svg from graphs/shell-256";
 
@@ -21,6 +22,7 @@ fn main() -> ExitCode {
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let result = match args.as_slice() {
         ["bench", "chain", cases @ ..] => bench::chain::run(cases),
+        ["bench", "engine", sizes @ ..] => bench::engine::run(sizes),
         ["bench-child", rest @ ..] => bench::chain::child(rest),
         ["picture"] => picture::write(),
         ["docs"] => docs::write(),

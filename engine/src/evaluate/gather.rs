@@ -8,7 +8,7 @@ use crate::port::Port;
 use crate::registry::Registry;
 use crate::value::{Column, Digester, Path, Text, Tree, digest_bytes};
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 /// Values by output slot, as far as they are in memory.
@@ -85,16 +85,15 @@ pub(crate) fn tree<'a>(
     };
     let port = &t.inputs[p];
     let gone = || Fail::new("engine-fault", format!("the value for \"{}\" is not in memory", port.name));
-    let mut merged: Option<Cow<'a, Tree>> = None;
-    for source in plan.wire_sources(from, to) {
+    let mut arrive = |source: &u32| {
         let tree = values[*source as usize].as_ref().ok_or_else(gone)?;
-        let tree = convert(tree, port, registry, reports)?;
-        merged = Some(match merged {
-            None => tree,
-            Some(before) => Cow::Owned(merge(&before, &tree, port)?),
-        });
-    }
-    let Some(mut tree) = merged else { return Ok(None) };
+        convert(tree, port, registry, reports)
+    };
+    let mut tree = match plan.wire_sources(from, to) {
+        [] => return Ok(None),
+        [one] => arrive(one)?,
+        many => Cow::Owned(merge(&many.iter().map(arrive).collect::<Result<Vec<_>, Fail>>()?, port)?),
+    };
     for op in plan.shape(shape) {
         tree = Cow::Owned(match op {
             TreeOp::Graft => tree.graft(),
@@ -141,17 +140,30 @@ fn convert<'a>(
     Ok(Cow::Owned(Tree::from_branches(branches)))
 }
 
-/// Many wires into one port: branches of the same path append in the order of the wires.
-fn merge(a: &Tree, b: &Tree, port: &Port) -> Result<Tree, Fail> {
-    for (path, column) in b.branches() {
-        let other = a.branches().binary_search_by(|(p, _)| p.cmp(path)).ok().map(|i| &a.branches()[i].1);
-        if let Some(other) = other.filter(|o| o.item_type() != column.item_type()) {
-            let (x, y) = (other.type_name(), column.type_name());
-            let message = format!("\"{}\" cannot join {x} and {y} in one list", port.name);
-            return Err(Fail::new("mixed-types", message).port(port.name.to_string()));
+/// Many wires into one port: branches of the same path append in the order of the wires. O(n log n) in branches.
+fn merge(trees: &[Cow<'_, Tree>], port: &Port) -> Result<Tree, Fail> {
+    let branches = || trees.iter().flat_map(|t| t.branches());
+    let mixed = |a: &Column, b: &Column| {
+        let (a, b) = (a.type_name(), b.type_name());
+        let message = format!("\"{}\" cannot join {a} and {b} in one list", port.name);
+        Fail::new("mixed-types", message).port(port.name.to_string())
+    };
+    let Some((path, first)) = branches().next() else { return Ok(Tree::default()) };
+    if branches().all(|(p, _)| p == path) {
+        let columns: Vec<Column> = branches().map(|(_, c)| c.clone()).collect();
+        return match columns.iter().find(|c| c.item_type() != first.item_type()) {
+            Some(other) => Err(mixed(first, other)),
+            None => Ok(Tree::branch(path.clone(), Column::concat(&columns).unwrap_or_else(|| first.clone()))),
+        };
+    }
+    let mut known: BTreeMap<&Path, &Column> = BTreeMap::new();
+    for (path, column) in branches() {
+        let first = *known.entry(path).or_insert(column);
+        if first.item_type() != column.item_type() {
+            return Err(mixed(first, column));
         }
     }
-    Ok(Tree::from_branches(a.branches().iter().chain(b.branches()).cloned().collect()))
+    Ok(Tree::from_branches(branches().cloned().collect()))
 }
 
 /// Reads the files that the node's file ports name.

@@ -1,6 +1,7 @@
 //! Benchmarks: one file per suite, and what is common to them.
 
 pub mod chain;
+pub mod engine;
 mod figure;
 mod memory;
 mod peer;
