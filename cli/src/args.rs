@@ -28,6 +28,10 @@ pub enum Command {
     Check(CheckArgs),
     /// List the node types, or describe one
     Nodes(NodesArgs),
+    /// Show the value of any port: a summary, a table or JSON
+    Inspect(InspectArgs),
+    /// Print the JSON Schema of graph files
+    Schema(SchemaArgs),
     /// Rewrite graph files in the canonical form
     Fmt(FmtArgs),
 }
@@ -94,4 +98,37 @@ pub struct FmtArgs {
     /// Change nothing; name the files that are not in canonical form and exit with 1
     #[arg(long)]
     pub check: bool,
+}
+
+/// Options of `tenon inspect`.
+#[derive(Debug, Args)]
+pub struct InspectArgs {
+    /// A graph file, or a folder that holds exactly one *.tenon.json
+    pub graph: PathBuf,
+    /// node.port of an output or an input, or the name of an interface output or input
+    #[arg(value_name = "NODE.PORT")]
+    pub port: String,
+    /// Print the value as JSON
+    #[arg(long, group = "form")]
+    pub json: bool,
+    /// Print one line per item
+    #[arg(long, group = "form")]
+    pub table: bool,
+    /// Print what the value comes to: type, counts, range (what is printed if nothing is said)
+    #[arg(long, group = "form")]
+    pub summary: bool,
+    /// Give an input a value, as for `tenon run`
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Threads to use; 0 means all there are
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub threads: u16,
+}
+
+/// Options of `tenon schema`.
+#[derive(Debug, Args)]
+pub struct SchemaArgs {
+    /// Narrow it to the installed node types, each with its parameters and inputs
+    #[arg(long)]
+    pub nodes: bool,
 }

@@ -8,11 +8,13 @@ mod check;
 mod files;
 mod fmt;
 mod graph;
+mod inspect;
 mod interrupt;
 mod nodes;
 mod output;
 mod progress;
 mod run;
+mod schema;
 mod words;
 
 use args::{Command, CommandLine, RunArgs};
@@ -43,12 +45,15 @@ fn main() -> ExitCode {
         Some(Command::Run(a)) => a.json,
         Some(Command::Check(a)) => a.json,
         Some(Command::Nodes(a)) => a.json,
-        Some(Command::Fmt(_)) | None => false,
+        Some(Command::Inspect(a)) => a.json,
+        Some(Command::Schema(_) | Command::Fmt(_)) | None => false,
     };
     let result = match line.command {
         Some(Command::Run(a)) => run::run(&a),
         Some(Command::Check(a)) => check::check(&a),
         Some(Command::Nodes(a)) => nodes::nodes(&a),
+        Some(Command::Inspect(a)) => inspect::inspect(&a),
+        Some(Command::Schema(a)) => schema::schema(&a),
         Some(Command::Fmt(a)) => fmt::fmt(&a),
         None => run_default(),
     };

@@ -7,7 +7,7 @@ use crate::progress::Bar;
 use crate::words::{Voice, Wrong, print, print_json, to_json};
 use crate::{End, graph, interrupt};
 use std::collections::{BTreeMap, HashSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 use tenon_engine::{Access, Control, Diagnostic, Item, Json, Options, Progress, Report, Session, Severity, Text, Tree};
@@ -25,19 +25,10 @@ struct Get<'a> {
 pub fn run(args: &RunArgs) -> Result<End, Wrong> {
     let voice = Voice::new();
     let gets: Vec<Get> = args.get.iter().map(|g| parse_get(g)).collect();
-    let (file, document) = graph::load(&args.graph)?;
-    let registry = Arc::new(tenon_nodes::registry());
+    let (file, mut session) = open(&args.graph, &args.set, args.threads)?;
     // What can be known to fail is tried before the work begins.
     if let Some(dir) = &args.out {
         output::prepare_folder(dir)?;
-    }
-    let sets = args.set.iter().map(|s| parse_set(s)).collect::<Result<Vec<_>, _>>()?;
-    let texts: HashSet<String> = sets.iter().map(|(_, text)| (*text).to_owned()).collect();
-    let options =
-        Options { threads: args.threads.into(), cache_bytes: CACHE, host: Arc::new(graph::Files::new(&file, texts)) };
-    let mut session = Session::new(registry, document, options);
-    for (name, text) in sets {
-        set(&mut session, name, text)?;
     }
     for get in &gets {
         session
@@ -96,6 +87,20 @@ pub fn run(args: &RunArgs) -> Result<End, Wrong> {
         profile(&voice, &report);
     }
     Ok(end)
+}
+
+/// Opens a graph with inputs set as `--set` says.
+pub fn open(graph: &Path, sets: &[String], threads: u16) -> Result<(PathBuf, Session), Wrong> {
+    let (file, document) = graph::load(graph)?;
+    let sets = sets.iter().map(|s| parse_set(s)).collect::<Result<Vec<_>, _>>()?;
+    let texts: HashSet<String> = sets.iter().map(|(_, text)| (*text).to_owned()).collect();
+    let options =
+        Options { threads: threads.into(), cache_bytes: CACHE, host: Arc::new(graph::Files::new(&file, texts)) };
+    let mut session = Session::new(Arc::new(tenon_nodes::registry()), document, options);
+    for (name, text) in sets {
+        set(&mut session, name, text)?;
+    }
+    Ok((file, session))
 }
 
 /// `NAME=VALUE`, taken apart at the first `=`.
@@ -239,7 +244,7 @@ fn value_line(session: &Session, output: &str, tree: &Tree) -> String {
 }
 
 /// The unit of an interface output: what the graph says, else that of the node's port.
-fn unit(session: &Session, output: &str) -> Option<String> {
+pub fn unit(session: &Session, output: &str) -> Option<String> {
     let output = session.document().outputs.get(output)?;
     let port = || {
         let (id, port) = output.port.split_once('.')?;
@@ -262,7 +267,8 @@ fn profile(voice: &Voice, report: &Report) {
     }
 }
 
-fn seconds(t: Duration) -> String {
+/// A duration for people.
+pub fn seconds(t: Duration) -> String {
     let s = t.as_secs_f64();
     if s >= 1.0 {
         format!("{s:.2} s")
@@ -273,7 +279,8 @@ fn seconds(t: Duration) -> String {
     }
 }
 
-fn size(bytes: usize) -> String {
+/// A size for people.
+pub fn size(bytes: usize) -> String {
     let b = bytes as f64;
     if b >= 1e6 {
         format!("{:.1} MB", b / 1e6)

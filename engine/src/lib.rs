@@ -8,6 +8,7 @@ mod evaluate;
 mod plan;
 mod port;
 mod registry;
+mod schema;
 mod value;
 
 pub use call::{Call, Monitor};
@@ -20,4 +21,5 @@ pub use evaluate::report::{Control, Event, Happened, NodeReport, Progress, Repor
 pub use evaluate::session::{Host, NoHost, Options, Session};
 pub use port::{Access, Port, Unit};
 pub use registry::{NodeType, Registry, RegistryError};
+pub use schema::{schema, schema_with_nodes};
 pub use value::{Column, Digester, File, Item, Json, Path, Text, Tree, digest_bytes};

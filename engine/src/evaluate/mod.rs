@@ -3,6 +3,7 @@
 pub(crate) mod cache;
 pub(crate) mod commit;
 pub(crate) mod gather;
+mod inspect;
 pub(crate) mod matching;
 pub(crate) mod meter;
 pub(crate) mod output;

@@ -1,0 +1,261 @@
+//! The JSON Schema (draft 2020-12) of the graph file, for editors that complete and for programs that make graphs.
+//! It says what the loader accepts of the file's form, and with a registry also which parameters and inputs there are.
+
+use crate::document::model::TreeOp;
+use crate::document::{DEPTH_LIMIT, NodeState};
+use crate::evaluate::matching::Matching;
+use crate::port::Port;
+use crate::registry::{NodeType, Registry};
+use crate::value::Json;
+use serde_json::{Map, json};
+
+/// `node.port`.
+const ADDRESS: &str = r"^[^.]+\..+$";
+/// A node's id: not empty, no dot, no control characters.
+const ID: &str = r"^[^.\x00-\x1f\x7f-\x9f]+$";
+
+/// The schema of the graph file as this version reads it; node types, parameters and ports by any name. O(1).
+#[must_use]
+pub fn schema() -> Json {
+    build(None)
+}
+
+/// The schema of graph files that use only the node types of `registry`: each with its parameters (type, unit, range,
+/// choices, default) and inputs. O(ports).
+#[must_use]
+pub fn schema_with_nodes(registry: &Registry) -> Json {
+    build(Some(registry))
+}
+
+fn build(registry: Option<&Registry>) -> Json {
+    let mut defs = Map::new();
+    defs.insert("address".into(), json!({ "type": "string", "pattern": ADDRESS, "description": "node.port" }));
+    defs.insert(
+        "addresses".into(),
+        json!({
+            "anyOf": [
+                { "$ref": "#/$defs/address" },
+                { "type": "array", "items": { "$ref": "#/$defs/address" } },
+            ],
+        }),
+    );
+    let rules = [Matching::Longest, Matching::Shortest, Matching::Cross].map(Matching::as_str);
+    defs.insert(
+        "match".into(),
+        json!({ "enum": rules, "description": "How lists of unequal length meet; the node's own rule goes first." }),
+    );
+    defs.insert("tree".into(), json!({ "enum": TreeOp::ALL.map(TreeOp::as_str) }));
+    defs.insert(
+        "wires".into(),
+        json!({
+            "description": "What comes to one input by wire.",
+            "type": "object",
+            "required": ["from"],
+            "properties": {
+                "from": { "$ref": "#/$defs/addresses", "description": "Sources, in order." },
+                "tree": {
+                    "description": "Applied in order to what arrives.",
+                    "anyOf": [
+                        { "$ref": "#/$defs/tree" },
+                        { "type": "array", "items": { "$ref": "#/$defs/tree" } },
+                    ],
+                },
+                "match": { "$ref": "#/$defs/match" },
+            },
+        }),
+    );
+    defs.insert("interface".into(), interface());
+    defs.insert("node".into(), node(registry));
+    for node_type in registry.into_iter().flat_map(Registry::iter) {
+        // Apart from the names above, whatever a node type is called.
+        defs.insert(format!("node.{}", node_type.type_name()), of_type(node_type));
+    }
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Tenon graph",
+        "description": format!("A graph of nodes: what *.tenon.json holds, nested at most {DEPTH_LIMIT} levels deep. \
+                                Keys that are not named here are kept as they are."),
+        "type": "object",
+        "required": ["format"],
+        "properties": {
+            "format": { "const": "tenon" },
+            "version": { "const": 1 },
+            "units": { "const": "mm" },
+            "requires": { "type": "object", "description": "Plugins that the graph needs." },
+            "interface": { "$ref": "#/$defs/interface" },
+            "nodes": {
+                "description": "The nodes by id.",
+                "type": "object",
+                "propertyNames": { "pattern": ID },
+                "additionalProperties": { "$ref": "#/$defs/node" },
+            },
+            "groups": { "type": "object", "description": "Named groups of nodes." },
+            "x": { "description": "Data of other programs, kept byte for byte." },
+        },
+        "$defs": defs,
+    })
+}
+
+fn interface() -> Json {
+    let text = |doc: &str| json!({ "type": "string", "description": doc });
+    json!({
+        "description": "What a person, a script or a host sees of the graph.",
+        "type": "object",
+        "properties": {
+            "inputs": {
+                "type": "object",
+                "additionalProperties": {
+                    "type": "object",
+                    "required": ["port"],
+                    "properties": {
+                        "port": { "$ref": "#/$defs/addresses" },
+                        "unit": text("Sign of the unit, for people."),
+                        "min": { "type": "number", "description": "Smallest number accepted." },
+                        "max": { "type": "number", "description": "Largest number accepted." },
+                        "doc": text("What it means."),
+                    },
+                },
+            },
+            "outputs": {
+                "type": "object",
+                "additionalProperties": {
+                    "type": "object",
+                    "required": ["port"],
+                    "properties": {
+                        "port": { "$ref": "#/$defs/address" },
+                        "unit": text("Sign of the unit, for people."),
+                        "doc": text("What it means."),
+                    },
+                },
+            },
+        },
+    })
+}
+
+/// What all nodes have; with a registry, what follows from the type as well.
+fn node(registry: Option<&Registry>) -> Json {
+    let states = [NodeState::On, NodeState::Frozen, NodeState::Disabled].map(NodeState::as_str);
+    let mut node = json!({
+        "type": "object",
+        "required": ["type"],
+        "properties": {
+            "type": { "type": "string", "description": "The node type." },
+            "v": {
+                "type": "integer",
+                "minimum": 1,
+                "maximum": u32::MAX,
+                "description": "The version of the node type for which this was written.",
+            },
+            "params": { "type": "object", "description": "Literals by port." },
+            "inputs": {
+                "type": "object",
+                "additionalProperties": { "$ref": "#/$defs/wires" },
+                "description": "Wires by port; a wire overrules a literal.",
+            },
+            "match": { "$ref": "#/$defs/match" },
+            "state": { "enum": states },
+            "note": { "type": "string" },
+        },
+    });
+    if let Some(registry) = registry {
+        let names: Vec<&str> = registry.iter().map(|t| t.type_name()).collect();
+        node["properties"]["type"] = json!({ "enum": names, "description": "The node type." });
+        node["allOf"] = names
+            .iter()
+            .map(|name| {
+                json!({
+                    "if": { "properties": { "type": { "const": name } } },
+                    "then": { "$ref": format!("#/$defs/node.{name}") },
+                })
+            })
+            .collect();
+    }
+    node
+}
+
+fn of_type(node_type: &NodeType) -> Json {
+    let params: Map<String, Json> = node_type.inputs().iter().map(|p| (p.name().into(), literal(p))).collect();
+    let wires: Map<String, Json> = node_type
+        .inputs()
+        .iter()
+        .map(|p| (p.name().into(), json!({ "$ref": "#/$defs/wires", "description": &*p.doc })))
+        .collect();
+    json!({
+        "title": node_type.title(),
+        "description": node_type.describe()["doc"],
+        "properties": {
+            "params": { "properties": params, "additionalProperties": false },
+            "inputs": { "properties": wires, "additionalProperties": false },
+        },
+    })
+}
+
+/// What a parameter of that port may be. Types that only the program can judge (points, meshes) are left open here.
+fn literal(port: &Port) -> Json {
+    let facts = port.describe();
+    let one = match port.type_name() {
+        kind @ ("number" | "integer") => {
+            let mut number = json!({ "type": kind });
+            for (from, to) in [("min", "minimum"), ("max", "maximum")] {
+                if facts[from].is_number() {
+                    number[to] = facts[from].clone();
+                }
+            }
+            // With a unit, only the program can tell the range.
+            let quantity = json!({
+                "type": "object",
+                "required": ["value", "unit"],
+                "properties": { "value": { "type": "number" }, "unit": { "type": "string" } },
+                "additionalProperties": false,
+            });
+            Some(vec![number, json!({ "type": "string" }), quantity])
+        }
+        "boolean" => Some(vec![json!({ "type": "boolean" })]),
+        "text" if facts["choices"].is_array() => Some(vec![json!({ "enum": facts["choices"] })]),
+        "text" => Some(vec![json!({ "type": "string" })]),
+        _ => None,
+    };
+    let mut schema = Map::new();
+    if let Some(mut accepted) = one {
+        let items = [&accepted[..], &[json!({ "type": "null" })]].concat();
+        let mut list = json!({ "type": "array", "items": { "anyOf": items } });
+        if port.access() == crate::Access::Item {
+            list["minItems"] = 1.into();
+        }
+        accepted.push(list);
+        schema.insert("anyOf".into(), Json::Array(accepted));
+    } else {
+        schema.insert("not".into(), json!({ "type": "null" }));
+    }
+    let unit = facts["unit"].as_str().map(|u| format!(" In {u}.")).unwrap_or_default();
+    schema.insert("description".into(), format!("{}{unit}", port.doc).trim().into());
+    if let Some(default) = &port.default {
+        schema.insert("default".into(), default.clone());
+    }
+    Json::Object(schema)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::NodeType;
+
+    #[test]
+    fn a_port_says_range_choices_and_default() {
+        let number = literal(&Port::item::<f64>("x").range(0.0, 5.0).default(2.0).doc("Wide."));
+        assert_eq!(number["anyOf"][0], json!({ "type": "number", "minimum": 0.0, "maximum": 5.0 }));
+        assert_eq!((&number["default"], &number["description"]), (&json!(2.0), &json!("Wide.")));
+        let text = literal(&Port::item::<crate::Text>("x").choices(&["a", "b"]));
+        assert_eq!(text["anyOf"][0], json!({ "enum": ["a", "b"] }));
+    }
+
+    #[test]
+    fn only_a_registry_narrows_the_node_types() {
+        let mut registry = Registry::new();
+        registry.register(NodeType::new("t", 1).input(Port::item::<f64>("x")).run(|_| Ok(()))).unwrap();
+        let narrow = schema_with_nodes(&registry);
+        assert_eq!(narrow["$defs"]["node"]["properties"]["type"]["enum"], json!(["t"]));
+        assert_eq!(narrow["$defs"]["node.t"]["properties"]["params"]["additionalProperties"], false);
+        assert!(schema()["$defs"]["node"].get("allOf").is_none());
+    }
+}

@@ -1,0 +1,82 @@
+"""The graph files' schema is a schema, and every shipped graph is what it says: judged by jsonschema."""
+
+import copy
+import json
+import subprocess
+
+import pytest
+from conftest import ROOT
+from jsonschema import Draft202012Validator
+
+FILES = sorted(ROOT.glob("graphs/**/*.tenon.json"))
+
+
+@pytest.fixture(scope="module", params=[[], ["--nodes"]], ids=["any nodes", "installed nodes"])
+def schema(request, tenon):
+    printed = subprocess.run([tenon, "schema", *request.param], capture_output=True, text=True, check=True)
+    schema = json.loads(printed.stdout)
+    Draft202012Validator.check_schema(schema)
+    return Draft202012Validator(schema)
+
+
+def errors(schema, graph):
+    return [f"{e.json_path}: {e.message}" for e in schema.iter_errors(graph)]
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda f: f.stem)
+def test_every_graph_is_what_the_schema_says(schema, file):
+    assert errors(schema, json.loads(file.read_text())) == []
+
+
+def change(graph, path, value):
+    changed = copy.deepcopy(graph)
+    at = changed
+    for key in path[:-1]:
+        at = at.setdefault(key, {})
+    at[path[-1]] = value
+    return changed
+
+
+@pytest.mark.parametrize(
+    "path, value",
+    [
+        (["format"], "dxf"),
+        (["version"], 2),
+        (["nodes", "map", "state"], "asleep"),
+        (["nodes", "map", "v"], 0),
+        (["nodes", "map", "type"], 7),
+        (["nodes", "map", "inputs", "panels"], {"tree": ["graft"]}),
+        (["nodes", "map", "inputs", "panels", "from"], ["thicken"]),
+        (["nodes", "map", "inputs", "panels", "tree"], ["prune"]),
+        (["nodes", "a.b"], {"type": "map"}),
+        (["interface", "outputs", "boards"], {"doc": "without a port"}),
+    ],
+    ids=lambda v: ".".join(v) if isinstance(v, list) else None,
+)
+def test_what_the_program_refuses_the_schema_refuses(schema, tenon, tmp_path, path, value):
+    graph = change(json.loads((ROOT / "graphs/shell-256/shell-256.tenon.json").read_text()), path, value)
+    assert errors(schema, graph) != []
+    file = tmp_path / "wrong.tenon.json"
+    file.write_text(json.dumps(graph))
+    assert subprocess.run([tenon, "check", file], capture_output=True).returncode != 0
+
+
+@pytest.mark.parametrize(
+    "path, value",
+    [
+        (["nodes", "map", "type"], "mapp"),
+        (["nodes", "map", "params", "adress_height"], 30),
+        (["nodes", "map", "params", "address_height"], True),
+        (["nodes", "map", "params", "address_height"], -1),
+        (["nodes", "map", "inputs", "pannels"], {"from": ["thicken.panels"]}),
+        (["nodes", "screws", "params", "kind"], "nail"),
+    ],
+    ids=lambda v: ".".join(v) if isinstance(v, list) else None,
+)
+def test_what_the_installed_nodes_do_not_know(schema, tenon, tmp_path, path, value):
+    graph = change(json.loads((ROOT / "graphs/shell-256/shell-256.tenon.json").read_text()), path, value)
+    narrow = "enum" in schema.schema["$defs"]["node"]["properties"]["type"]
+    assert (errors(schema, graph) != []) == narrow
+    file = tmp_path / "wrong.tenon.json"
+    file.write_text(json.dumps(graph))
+    assert subprocess.run([tenon, "check", file], capture_output=True).returncode == 1
