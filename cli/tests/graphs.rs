@@ -16,6 +16,9 @@ fn every_shipped_graph_is_without_errors_and_in_canonical_form() {
     let mut count = 0;
     for entry in std::fs::read_dir(shipped("")).unwrap() {
         let path = entry.unwrap().path();
+        if !path.is_dir() {
+            continue; // what is told of the graphs
+        }
         let path = path.to_str().unwrap();
         folder.tenon(&["check", path]).code(0);
         folder.tenon(&["fmt", "--check", path]).code(0);
