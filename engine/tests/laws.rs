@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use serde_json::json;
 use tenon_engine::*;
 
-fn any_json() -> impl Strategy<Value = Json> {
+pub fn any_json() -> impl Strategy<Value = Json> {
     let leaf = prop_oneof![
         Just(Json::Null),
         any::<bool>().prop_map(Json::from),

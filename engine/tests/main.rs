@@ -8,5 +8,6 @@ mod common;
 mod file;
 mod lanes;
 mod laws;
+mod operations;
 mod ports;
 mod scale;

@@ -76,7 +76,7 @@ fn texts(list: &[String]) -> Json {
     Json::from(list.to_vec())
 }
 
-fn input_text(input: &InterfaceInput) -> String {
+pub(crate) fn input_text(input: &InterfaceInput) -> String {
     let mut map = input.extra.clone();
     let port = if let [one] = input.ports.as_slice() { Json::from(one.as_str()) } else { texts(&input.ports) };
     map.insert("port".into(), port);
@@ -88,7 +88,7 @@ fn input_text(input: &InterfaceInput) -> String {
     map_text(&map, 3)
 }
 
-fn output_text(output: &InterfaceOutput) -> String {
+pub(crate) fn output_text(output: &InterfaceOutput) -> String {
     let mut map = output.extra.clone();
     map.insert("port".into(), Json::from(output.port.as_str()));
     if let Some(unit) = &output.unit {
@@ -100,7 +100,7 @@ fn output_text(output: &InterfaceOutput) -> String {
     map_text(&map, 3)
 }
 
-fn node_text(node: &Node) -> String {
+pub(crate) fn node_text(node: &Node) -> String {
     let mut block: Block = node.extra.iter().map(|(k, v)| (k.clone(), value_text(v, 3))).collect();
     block.insert("type".into(), quoted(&node.type_name));
     block.insert("v".into(), node.version.to_string());
@@ -191,6 +191,13 @@ fn value_text(value: &Json, depth: usize) -> String {
         other => one_line(other, &mut out),
     }
     out
+}
+
+/// A value on one line, keys sorted.
+pub(crate) fn json_text(value: &Json) -> String {
+    let mut text = String::new();
+    one_line(value, &mut text);
+    text
 }
 
 fn one_line(value: &Json, out: &mut String) {

@@ -140,6 +140,25 @@ fn look_ahead(bytes: &[u8]) -> Result<(), Diagnostic> {
     Ok(())
 }
 
+/// The node that a text of a file's `nodes` says; `None` if it is none. O(n).
+pub(crate) fn read_node(text: &str) -> Option<Node> {
+    let raw = serde_json::from_str::<&RawValue>(text).ok()?;
+    let mut loader = Loader { text, errors: Vec::new() };
+    let node = loader.node("", raw);
+    loader.errors.is_empty().then_some(node)
+}
+
+/// Whether a text can stand in a file as the value of `x`: one JSON value, not nested too deep. O(n).
+pub(crate) fn check_foreign(text: &str) -> Result<(), Diagnostic> {
+    look_ahead(format!("{{\"x\":{text}}}").as_bytes())?;
+    serde_json::from_str::<serde::de::IgnoredAny>(text).map(|_| ()).map_err(|e| syntax(&e))
+}
+
+/// A JSON text as an object.
+pub(crate) fn object_of(text: &str) -> Option<serde_json::Map<String, Json>> {
+    serde_json::from_str(text).ok()
+}
+
 type Map<'a> = BTreeMap<String, &'a RawValue>;
 
 impl<'a> Loader<'a> {

@@ -2,10 +2,13 @@
 
 pub(crate) mod fields;
 pub(crate) mod format;
+pub(crate) mod layout;
 pub(crate) mod load;
 pub(crate) mod model;
+pub(crate) mod operations;
 pub(crate) mod validate;
 
 pub use fields::Fields;
 pub use load::{DEFAULT_SIZE_LIMIT, DEPTH_LIMIT};
 pub use model::{Document, InterfaceInput, InterfaceOutput, Node, NodeState, TreeOp, Wires};
+pub use operations::{History, Operation, OuterWires, Paste, Table};

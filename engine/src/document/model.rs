@@ -1,6 +1,7 @@
 //! The document in memory. Everything that the file says is kept, also what this version does not understand.
 
 use super::fields::Fields;
+use super::layout::Layout;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::matching::Matching;
 use crate::value::Json;
@@ -25,6 +26,8 @@ pub struct Document {
     pub(crate) extra: BTreeMap<String, Json>,
     /// Keys inside `interface` that this version does not know.
     pub(crate) interface_extra: BTreeMap<String, Json>,
+    /// Where nodes stand on a canvas; in a file of its own.
+    pub(crate) layout: Layout,
 }
 
 /// A named input of the whole graph, bound to the parameters of one or more nodes.
@@ -203,18 +206,20 @@ impl Document {
     ///
     /// # Errors
     /// If the id is not allowed.
-    pub fn insert(&mut self, id: impl Into<String>, node: Node) -> Result<(), Diagnostic> {
+    pub fn insert(&mut self, id: impl Into<String>, mut node: Node) -> Result<(), Diagnostic> {
         let id = id.into();
         if !valid_id(&id) {
             let message = format!("\"{id}\" cannot be a node's id: it is empty or has a dot in it");
             return Err(Diagnostic::error("bad-id", message));
         }
+        node.check_source();
         self.nodes.insert(id, node);
         Ok(())
     }
 
     /// Removes a node; wires from it stay and are named by validation.
     pub fn remove(&mut self, id: &str) -> Option<Node> {
+        self.layout.positions.remove(id);
         self.nodes.remove(id)
     }
 

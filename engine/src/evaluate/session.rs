@@ -6,6 +6,7 @@ use super::queue::Queue;
 use super::report::Event;
 use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
 use crate::document::model::{Document, InterfaceInput, NodeState};
+use crate::document::operations::Operation;
 use crate::plan::{Plan, Slot};
 use crate::registry::Registry;
 use crate::value::{Column, File, Json, Tree};
@@ -251,6 +252,52 @@ impl Session {
             self.mark_dirty(n as u32);
         }
         Ok(())
+    }
+
+    /// Changes the document; many operations go in one [`Operation::All`]. Nothing runs yet, and what was computed and is
+    /// still valid stays. Gives the operation that takes the change back. Positions, remarks and groups cost O(log n),
+    /// parameters O(log n) each, the rest O(nodes + wires).
+    ///
+    /// # Errors
+    /// If an operation is refused; then nothing has changed.
+    pub fn edit(&mut self, operation: &Operation) -> Result<Operation, Diagnostic> {
+        let inverse = operation.apply(&mut self.document)?;
+        let unseen = |o: &&Operation| {
+            use Operation as O;
+            !matches!(
+                o,
+                O::Move { .. } | O::SetNote { .. } | O::SetForeign { .. } | O::SetGroup { .. } | O::SetEntry { .. }
+            )
+        };
+        let params = operation.parts().filter(unseen).map(|o| match o {
+            Operation::SetParam { node, port, value } => self.literal(node, port, value.as_ref()),
+            _ => None,
+        });
+        match params.collect::<Option<Vec<_>>>() {
+            Some(params) => {
+                for (n, p, tree) in params {
+                    self.plan.set_literal(n, p, tree);
+                    self.mark_dirty(n as u32);
+                }
+            }
+            None => {
+                let document = std::mem::take(&mut self.document);
+                self.replace(document);
+            }
+        }
+        Ok(inverse)
+    }
+
+    /// Where a parameter goes and what it is, if it can be set without compiling the plan anew.
+    fn literal(&self, node: &str, port: &str, value: Option<&Json>) -> Option<(usize, usize, Option<Tree>)> {
+        let n = self.plan.find(node)?;
+        let t = self.plan.node_type(n)?;
+        let p = t.input_index(port)?;
+        if matches!(self.plan.slot(n, p), Slot::Wires { .. }) {
+            return None;
+        }
+        let tree = value.map(|v| t.inputs[p].literal(v)).transpose().ok()?;
+        Some((n, p, tree))
     }
 
     pub(crate) fn mark_dirty(&mut self, n: u32) {
