@@ -30,6 +30,9 @@ impl Size {
     pub const ALL: [Self; 3] =
         [Self { patches: 1, folds: 4 }, Self { patches: 2, folds: 5 }, Self { patches: 5, folds: 7 }];
 
+    /// As few panels as there can be: one row.
+    pub const LEAST: Self = Self { patches: 1, folds: 0 };
+
     /// Number of panels.
     pub fn panels(self) -> u64 {
         (u64::from(self.patches) * 16) << self.folds
