@@ -34,6 +34,71 @@ pub enum Command {
     Schema(SchemaArgs),
     /// Rewrite graph files in the canonical form
     Fmt(FmtArgs),
+    /// Evaluate a graph for many values of its inputs
+    #[command(subcommand)]
+    Sweep(SweepCommand),
+}
+
+/// The steps of a sweep.
+#[derive(Debug, Subcommand)]
+pub enum SweepCommand {
+    /// Write one row per variant of a graph
+    Plan(SweepPlanArgs),
+    /// Evaluate one row of a plan, unless its result is there already
+    RunRow(SweepRowArgs),
+    /// Evaluate every row of a plan that has no result yet
+    Run(SweepRunArgs),
+}
+
+/// Options of `tenon sweep plan`.
+#[derive(Debug, Args)]
+pub struct SweepPlanArgs {
+    /// A graph file, or a folder that holds exactly one *.tenon.json
+    pub graph: PathBuf,
+    /// Give an input several values: VALUES is a,b,c or start:end:count (both ends included). Several --vary make every
+    /// combination; NAME is an interface input or node.port
+    #[arg(long, value_name = "NAME=VALUES", required = true)]
+    pub vary: Vec<String>,
+    /// Give an input the same value in every row
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// The plan to write, one JSON object per line
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+}
+
+/// Options of `tenon sweep run-row`.
+#[derive(Debug, Args)]
+pub struct SweepRowArgs {
+    /// The plan
+    pub plan: PathBuf,
+    /// The row's key
+    pub key: String,
+    /// Folder of the results; this row's go into DIR/KEY
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Threads to use; 0 means all there are
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub threads: u16,
+    /// Print the row's result as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `tenon sweep run`.
+#[derive(Debug, Args)]
+pub struct SweepRunArgs {
+    /// The plan
+    pub plan: PathBuf,
+    /// Folder of the results; each row's go into DIR/KEY
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Rows evaluated at the same time; they share the machine's threads
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub jobs: u16,
+    /// Print what was done as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Options of `tenon run`.

@@ -15,6 +15,7 @@ mod output;
 mod progress;
 mod run;
 mod schema;
+mod sweep;
 mod words;
 
 use args::{Command, CommandLine, RunArgs};
@@ -46,6 +47,7 @@ fn main() -> ExitCode {
         Some(Command::Check(a)) => a.json,
         Some(Command::Nodes(a)) => a.json,
         Some(Command::Inspect(a)) => a.json,
+        Some(Command::Sweep(a)) => sweep::json(a),
         Some(Command::Schema(_) | Command::Fmt(_)) | None => false,
     };
     let result = match line.command {
@@ -55,6 +57,7 @@ fn main() -> ExitCode {
         Some(Command::Inspect(a)) => inspect::inspect(&a),
         Some(Command::Schema(a)) => schema::schema(&a),
         Some(Command::Fmt(a)) => fmt::fmt(&a),
+        Some(Command::Sweep(a)) => sweep::sweep(&a),
         None => run_default(),
     };
     match result {

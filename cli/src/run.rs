@@ -13,7 +13,7 @@ use std::time::Duration;
 use tenon_engine::{Access, Control, Diagnostic, Item, Json, Options, Progress, Report, Session, Severity, Text, Tree};
 
 /// Memory that results may take before old ones are dropped, bytes.
-const CACHE: usize = 2 << 30;
+pub const CACHE: usize = 2 << 30;
 
 /// What `--get NAME[=FILE]` asks for.
 struct Get<'a> {
@@ -104,7 +104,7 @@ pub fn open(graph: &Path, sets: &[String], threads: u16) -> Result<(PathBuf, Ses
 }
 
 /// `NAME=VALUE`, taken apart at the first `=`.
-fn parse_set(text: &str) -> Result<(&str, &str), Wrong> {
+pub fn parse_set(text: &str) -> Result<(&str, &str), Wrong> {
     text.split_once('=')
         .filter(|(name, _)| !name.is_empty())
         .ok_or_else(|| Wrong::new("set", format!("--set {text} gives no value")).hint("write --set NAME=VALUE"))
@@ -118,15 +118,19 @@ fn parse_get(text: &str) -> Get<'_> {
     }
 }
 
-/// Gives an input a value: a text port the text as it stands (or what it is between quotes), others what it is as JSON,
-/// and what is not JSON, such as `12 mm`, as text.
-fn set(session: &mut Session, name: &str, text: &str) -> Result<(), Wrong> {
-    let plain = || Json::String(text.to_owned());
-    let value = match serde_json::from_str::<Json>(text) {
+/// The value that a text stands for at an input: at a text port the text as it stands (or what it is between quotes), at
+/// others what it is as JSON, and what is not JSON, such as `12 mm`, as text.
+pub fn literal(session: &Session, name: &str, text: &str) -> Json {
+    match serde_json::from_str::<Json>(text) {
         Ok(Json::String(quoted)) => Json::String(quoted),
         Ok(json) if !takes_text(session, name) => json,
-        _ => plain(),
-    };
+        _ => Json::String(text.to_owned()),
+    }
+}
+
+/// Gives an input a value.
+fn set(session: &mut Session, name: &str, text: &str) -> Result<(), Wrong> {
+    let value = literal(session, name, text);
     session.set(name, value).map_err(|d| Wrong::new("set", format!("--set {name} cannot be done")).because(vec![d]))
 }
 

@@ -11,5 +11,6 @@ mod nodes;
 mod report;
 mod schema;
 mod set;
+mod sweep;
 mod tenon;
 mod write;
