@@ -93,6 +93,18 @@ fn a_row_alone_gives_the_same_bytes() {
 }
 
 #[test]
+fn a_frozen_node_does_not_carry_a_value_from_row_to_row() {
+    let frozen = NUMBERS.replace(r#""pair": {"#, r#""pair": {"state": "frozen", "#);
+    let folder = Folder::with("g.tenon.json", frozen);
+    folder.tenon(&["sweep", "plan", ".", "--vary", "thickness=1,2,3", "--out", "p.jsonl"]).code(0);
+    folder.tenon(&["sweep", "run", "p.jsonl", "--out", "all"]).code(0);
+    for (key, first) in keys(&folder, "p.jsonl").iter().zip([1.0, 2.0, 3.0]) {
+        let result: Value = serde_json::from_str(&folder.read(&format!("all/{key}/result.json"))).unwrap();
+        assert_eq!(result["values"]["numbers"]["value"]["branches"]["{0}"][0], json!(first));
+    }
+}
+
+#[test]
 fn another_graph_than_the_planned_one_is_refused() {
     let folder = planned();
     folder.tenon(&["sweep", "run", "p.jsonl", "--out", "r"]).code(0);

@@ -13,7 +13,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use tenon_engine::{Control, Diagnostic, Document, Host, Json, Options, Registry, Session, Severity, digest_bytes};
+use tenon_engine::{
+    Control, Diagnostic, Document, Host, Json, NodeState, Options, Registry, Session, Severity, digest_bytes,
+};
 
 /// Name of the file that says what a row came to.
 const RESULT: &str = "result.json";
@@ -107,7 +109,11 @@ impl Bench {
         self.load(row)?;
         let Some(l) = &mut self.loaded else { return Ok(None) };
         let names: Vec<String> = row.set.keys().cloned().collect();
-        if l.names != names {
+        if l.document.nodes().values().any(|node| node.state == NodeState::Frozen) {
+            // A frozen node keeps what the row before has given it; a row's result must not depend on that.
+            let options = Options { threads: self.threads, cache_bytes: self.cache_bytes, host: l.recorder.clone() };
+            l.session = Session::new(self.registry.clone(), l.document.clone(), options);
+        } else if l.names != names {
             // Inputs that only the row before has set go back to what the graph says.
             l.session.replace(l.document.clone());
             l.names = names;
