@@ -230,7 +230,7 @@ impl<'a> Call<'a> {
     pub fn set<T: Item>(&mut self, port: &str, value: T) {
         match self.output_of::<T>(port) {
             Some((i, Access::Item)) => self.put(i, |o, lane| o.set_item(lane, value)),
-            Some((i, _)) => self.put(i, |o, lane| o.set_list(lane, Column::new(vec![value]))),
+            Some((i, _)) => self.put(i, |o, lane| o.set_list(lane, Column::single(value))),
             None => {}
         }
     }

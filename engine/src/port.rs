@@ -377,6 +377,14 @@ impl Port {
         self.item_type.id == Some(TypeId::of::<f64>()) || self.range.is_some() || !self.choices.is_empty()
     }
 
+    /// True if [`Port::check`] finds nothing.
+    pub(crate) fn accepts_all(&self, column: &Column) -> bool {
+        match column.slice::<f64>() {
+            Some(&[v]) if self.range.is_none() && !column.has_gaps() => v.is_finite(),
+            _ => self.check(column).is_empty(),
+        }
+    }
+
     /// Items that the port does not accept: not finite, out of range, not among the choices. O(n).
     pub(crate) fn check(&self, column: &Column) -> Vec<(usize, Fail)> {
         let mut bad = Vec::new();

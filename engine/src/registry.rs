@@ -23,6 +23,7 @@ pub struct NodeType {
     pub(crate) outputs: Vec<Port>,
     pub(crate) writer: bool,
     pub(crate) slow: bool,
+    pub(crate) cheap: bool,
     pub(crate) run: Option<Run>,
     /// Filled by the registry: the trees of the inputs' defaults.
     pub(crate) defaults: Vec<Option<Tree>>,
@@ -46,6 +47,7 @@ impl NodeType {
             outputs: Vec::new(),
             writer: false,
             slow: false,
+            cheap: false,
             run: None,
             defaults: Vec::new(),
             digest: 0,
@@ -105,6 +107,13 @@ impl NodeType {
     #[must_use]
     pub fn slow(mut self) -> Self {
         self.slow = true;
+        self
+    }
+
+    /// Costs less than remembering what it gives, as arithmetic does: small results are not remembered, it runs again.
+    #[must_use]
+    pub fn cheap(mut self) -> Self {
+        self.cheap = true;
         self
     }
 

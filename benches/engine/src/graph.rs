@@ -64,9 +64,9 @@ impl Graph {
         let node = |kind, own, inputs| Node { kind, own, inputs };
         let mut nodes = vec![node(Kind::Source, FIRST, vec![]), node(Kind::Quantise, 0.0, vec![0])];
         match shape {
-            Shape::Chain => nodes.extend((2..size).map(|i| node(Kind::Add, (i % 7) as f64, vec![i - 1]))),
+            Shape::Chain => nodes.extend((2..size).map(|i| node(Kind::Add, i as f64, vec![i - 1]))),
             Shape::Fan => {
-                nodes.extend((3..size).map(|i| node(Kind::Add, (i % 7) as f64, vec![1])));
+                nodes.extend((3..size).map(|i| node(Kind::Add, i as f64, vec![1])));
                 let all = (2..nodes.len()).collect();
                 nodes.push(node(Kind::Add, 0.0, all));
             }

@@ -11,22 +11,22 @@ fn registry() -> Arc<Registry> {
     let mut registry = Registry::new();
     let number = |name: &'static str| Port::item::<f64>(name);
     let nodes = [
-        NodeType::new("number", 1).input(number("value").default(0.0)).output(number("value")).run(|c| {
+        NodeType::new("number", 1).cheap().input(number("value").default(0.0)).output(number("value")).run(|c| {
             let v = c.number("value")?;
             c.set("value", v);
             Ok(())
         }),
-        NodeType::new("quantise", 1).input(number("a")).output(number("value")).run(|c| {
+        NodeType::new("quantise", 1).cheap().input(number("a")).output(number("value")).run(|c| {
             let v = (c.number("a")? / 1000.0).floor();
             c.set("value", v);
             Ok(())
         }),
-        NodeType::new("add", 1).input(number("a")).input(number("b")).output(number("value")).run(|c| {
+        NodeType::new("add", 1).cheap().input(number("a")).input(number("b")).output(number("value")).run(|c| {
             let v = c.number("a")? + c.number("b")?;
             c.set("value", v);
             Ok(())
         }),
-        NodeType::new("sum", 1).input(Port::list::<f64>("values")).output(number("value")).run(|c| {
+        NodeType::new("sum", 1).cheap().input(Port::list::<f64>("values")).output(number("value")).run(|c| {
             let v = c.list::<f64>("values")?.iter().sum::<f64>();
             c.set("value", v);
             Ok(())

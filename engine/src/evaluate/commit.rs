@@ -10,10 +10,12 @@ use crate::document::model::NodeState;
 use crate::plan::Plan;
 use crate::value::Tree;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+/// Up to this many bytes the results of cheap nodes are not remembered.
+const SMALL: usize = 512;
 
 /// One evaluation under way.
-#[derive(Default)]
 pub(crate) struct Evaluation {
     /// What nodes were before this evaluation touched them.
     pub undo: Vec<(u32, NodeRun)>,
@@ -23,6 +25,8 @@ pub(crate) struct Evaluation {
     pub files: Files,
     /// Length of the event log before.
     pub log: usize,
+    /// When the last node was done.
+    pub clock: Instant,
 }
 
 impl Session {
@@ -48,10 +52,16 @@ impl Session {
         if !self.publish(n, run, &outputs, e) {
             self.events.push(Event::CutOff(id));
         }
-        if !outcome.panicked {
+        if !outcome.panicked && !self.is_cheap(i) {
             self.memo.put(key, outputs, reports, outcome.failed, time.as_nanos() as u64);
         }
         self.note(n, if outcome.failed { Happened::Failed } else { Happened::Executed }, time, e);
+    }
+
+    /// Small results of a node that costs less than remembering them; of those in place.
+    fn is_cheap(&self, i: usize) -> bool {
+        let bytes = || self.outputs(i).iter().flatten().map(Tree::bytes).sum::<usize>();
+        self.plan.node_type(i).is_some_and(|t| t.cheap) && bytes() <= SMALL
     }
 
     /// Puts a node's new result in place and wakes its successors if it is another than before.
@@ -151,6 +161,9 @@ impl Session {
             let goal = self.goals.as_ref().is_some_and(|g| g.binary_search(&(i as u32)).is_ok());
             let frozen = self.plan.nodes[i].state == NodeState::Frozen;
             if !run.present || goal || frozen || self.plan.nodes[i].output_count == 0 || self.memo.contains(run.key) {
+                continue;
+            }
+            if self.is_cheap(i) {
                 continue;
             }
             self.evicted = true;

@@ -5,7 +5,7 @@ use crate::diagnostic::{Fail, Severity};
 use crate::document::model::TreeOp;
 use crate::plan::{Plan, Slot};
 use crate::port::Port;
-use crate::registry::Registry;
+use crate::registry::{NodeType, Registry};
 use crate::value::{Column, Digester, Path, Text, Tree, digest_bytes};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
@@ -187,6 +187,24 @@ pub(crate) fn files(
         all.push((p, paths.branches().iter().map(|(_, column)| branch(column, read)).collect()));
     }
     all
+}
+
+/// What arrives at each port of a node, as long as that is one tree as it is (else `None`), and whether it came by wire.
+pub(crate) fn simple<'a>(
+    plan: &'a Plan,
+    t: &'a NodeType,
+    n: usize,
+    values: &'a Values,
+) -> impl Iterator<Item = Option<(Option<&'a Tree>, bool)>> {
+    plan.node_slots(n).iter().enumerate().map(move |(p, slot)| match slot {
+        Slot::Missing => Some((None, false)),
+        Slot::Default => Some((t.defaults.get(p)?.as_ref(), false)),
+        Slot::Literal(l) => Some((Some(plan.literals.get(*l as usize)?), false)),
+        Slot::Wires { from, to, shape } => match (plan.wire_sources(*from, *to), plan.shape(*shape)) {
+            ([one], []) => Some((Some(values[*one as usize].as_ref()?), true)),
+            _ => None,
+        },
+    })
 }
 
 /// Everything that arrives at the node.

@@ -9,6 +9,7 @@ use crate::registry::NodeType;
 use crate::value::{Column, Path, Tree};
 use rayon::prelude::*;
 use std::borrow::Cow;
+use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
@@ -101,6 +102,8 @@ struct Branch<'a> {
 
 /// The most lanes one branch may have: a cross of long lists is more likely a slip than a wish.
 const MOST_LANES: usize = 1 << 28;
+/// Nodes with more ports than this are never simple.
+const SIMPLE_PORTS: usize = 6;
 /// Lanes of a node that is not slow are shared out in pieces of this many.
 const PIECE: usize = 1024;
 
@@ -141,8 +144,13 @@ pub(crate) fn run(
         let size = size.max(1);
         pieces.extend((0..count.div_ceil(size)).map(|i| (b, i * size, ((i + 1) * size).min(count))));
     }
-    let work = |&(b, from, to): &(usize, usize, usize)| run_lanes(node_type, &branches[b], from, to, monitor);
-    let done: Vec<Lot> = if parallel && pieces.len() > 1 {
+    let work = |&(b, from, to): &(usize, usize, usize)| {
+        let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(to - from)).collect();
+        let branch = &branches[b];
+        let lot = run_lanes(node_type, &branch.args, branch.lanes, from..to, &mut outputs, monitor);
+        Piece { lanes: to - from, outputs, lot }
+    };
+    let done: Vec<Piece> = if parallel && pieces.len() > 1 {
         pieces.par_iter().map(work).collect()
     } else {
         pieces.iter().map(work).collect()
@@ -150,21 +158,73 @@ pub(crate) fn run(
     gather(node_type, &branches, done, reports)
 }
 
-/// The usual case: one branch, one lane.
+/// Runs a node whose every port has one item, one list or one tree as it is: no list has to be built to run it. `None`:
+/// it is not that simple, and nothing was run. `inputs` gives what arrives at each port and whether it came by wire; an
+/// inner `None` where that is not one tree as it is.
+pub(crate) fn run_simple<'a>(
+    node_type: &NodeType,
+    inputs: impl Iterator<Item = Option<(Option<&'a Tree>, bool)>>,
+    monitor: Monitor<'_>,
+) -> Option<Outcome> {
+    if node_type.inputs.len() > SIMPLE_PORTS || node_type.outputs.len() > SIMPLE_PORTS {
+        return None;
+    }
+    let mut args: [Arg<'_>; SIMPLE_PORTS] = std::array::from_fn(|_| Arg::Missing);
+    let mut path = None;
+    for ((input, port), arg) in inputs.zip(&node_type.inputs).zip(&mut args) {
+        let (tree, by_wire) = input?;
+        let Some(tree) = tree else { continue };
+        let fits = |column: &Column| port.item_type.id.is_none_or(|id| id == column.item_type());
+        if !tree.branches().iter().all(|(_, c)| fits(c) && (!by_wire || !port.is_checked() || port.accepts_all(c))) {
+            return None;
+        }
+        if port.access == Access::Tree {
+            *arg = Arg::Tree(tree);
+            continue;
+        }
+        let [(name, column)] = tree.branches() else { return None };
+        path = path.or(Some(name));
+        *arg = match port.access {
+            Access::List => Arg::List(column),
+            _ if column.len() == 1 && !column.has_gaps() => Arg::Item(column, Rule { len: 1, stride: 1, files: None }),
+            _ => return None,
+        };
+    }
+    let mut outputs: [Output; SIMPLE_PORTS] = std::array::from_fn(|_| Output::new(1));
+    let outputs = outputs.get_mut(..node_type.outputs.len())?;
+    let lanes = Lanes { count: 1, cross: false };
+    let lot = run_lanes(node_type, args.get(..node_type.inputs.len())?, lanes, 0..1, outputs, monitor);
+    let path = path.map_or_else(|| Cow::Owned(Path::root()), Cow::Borrowed);
+    Some(finish_alone(node_type, lot, outputs.iter_mut().map(Output::take), &path, Vec::new()))
+}
+
+/// One branch, one lane.
 fn run_alone(
     node_type: &NodeType,
     branch: &Branch<'_>,
     monitor: Monitor<'_>,
+    reports: Vec<(Severity, Fail)>,
+) -> Outcome {
+    let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(1)).collect();
+    let lot = run_lanes(node_type, &branch.args, branch.lanes, 0..1, &mut outputs, monitor);
+    finish_alone(node_type, lot, outputs.into_iter(), &branch.path, reports)
+}
+
+/// What one lane has set becomes trees.
+fn finish_alone(
+    node_type: &NodeType,
+    lot: Lot,
+    set: impl Iterator<Item = Output>,
+    path: &Path,
     mut reports: Vec<(Severity, Fail)>,
 ) -> Outcome {
-    let lot = run_lanes(node_type, branch, 0, 1, monitor);
     reports.extend(lot.reports);
     let mut failed = lot.good == 0 && (lot.bad > 0 || !reports.is_empty());
     let mut outputs = Vec::new();
     if !failed && !lot.cancelled {
-        outputs.reserve_exact(lot.outputs.len());
-        for (output, port) in lot.outputs.into_iter().zip(&node_type.outputs) {
-            match alone(output, port, &branch.path) {
+        outputs.reserve_exact(node_type.outputs.len());
+        for (output, port) in set.zip(&node_type.outputs) {
+            match alone(output, port, path) {
                 Ok(tree) => outputs.push(tree),
                 Err(fail) => {
                     reports.push((Severity::Error, fail));
@@ -295,10 +355,8 @@ fn branch<'a>(
     Ok(Branch { path, args, lanes: Lanes { count, cross } })
 }
 
-/// What a piece of the lanes gave.
-pub(crate) struct Lot {
-    branch_lanes: usize,
-    pub outputs: Vec<Output>,
+/// How a piece of the lanes went.
+struct Lot {
     reports: Vec<(Severity, Fail)>,
     good: usize,
     bad: usize,
@@ -306,13 +364,25 @@ pub(crate) struct Lot {
     panicked: bool,
 }
 
-fn run_lanes(node_type: &NodeType, branch: &Branch<'_>, from: usize, to: usize, monitor: Monitor<'_>) -> Lot {
-    let lanes = branch.lanes;
-    let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(to - from)).collect();
+/// A piece of the lanes of one branch and what it has set.
+struct Piece {
+    lanes: usize,
+    outputs: Vec<Output>,
+    lot: Lot,
+}
+
+fn run_lanes(
+    node_type: &NodeType,
+    args: &[Arg<'_>],
+    lanes: Lanes,
+    range: Range<usize>,
+    outputs: &mut [Output],
+    monitor: Monitor<'_>,
+) -> Lot {
+    let (from, to) = (range.start, range.end);
     let mut reports = Vec::new();
     let (mut good, mut bad, mut cancelled, mut panicked) = (0, 0, false, false);
-    let gaps: Vec<(&Column, &Rule<'_>)> = branch
-        .args
+    let gaps: Vec<(&Column, &Rule<'_>)> = args
         .iter()
         .filter_map(|a| match a {
             Arg::Item(column, rule) if column.has_gaps() => Some((*column, rule)),
@@ -321,11 +391,11 @@ fn run_lanes(node_type: &NodeType, branch: &Branch<'_>, from: usize, to: usize, 
         .collect();
     let mut call = Call {
         node_type,
-        args: &branch.args,
+        args,
         lanes,
         lane: from,
         first_lane: from,
-        outputs: &mut outputs,
+        outputs,
         reports: &mut reports,
         monitor,
         bug: None,
@@ -367,31 +437,31 @@ fn run_lanes(node_type: &NodeType, branch: &Branch<'_>, from: usize, to: usize, 
             break;
         }
     }
-    Lot { branch_lanes: to - from, outputs, reports, good, bad, cancelled, panicked }
+    Lot { reports, good, bad, cancelled, panicked }
 }
 
 fn gather(
     node_type: &NodeType,
     branches: &[Branch<'_>],
-    lots: Vec<Lot>,
+    done: Vec<Piece>,
     mut reports: Vec<(Severity, Fail)>,
 ) -> Outcome {
     let (mut good, mut bad, mut cancelled, mut panicked) = (0, 0, false, false);
     let mut parts: Vec<Vec<(Path, Column)>> =
         node_type.outputs.iter().map(|_| Vec::with_capacity(branches.len())).collect();
-    let mut lots = lots.into_iter();
+    let mut done = done.into_iter();
     for branch in branches {
         let mut columns: Vec<Vec<Output>> = node_type.outputs.iter().map(|_| Vec::with_capacity(1)).collect();
         let mut covered = 0;
         while covered < branch.lanes.count {
-            let Some(lot) = lots.next() else { break };
-            covered += lot.branch_lanes;
+            let Some(Piece { lanes, outputs, lot }) = done.next() else { break };
+            covered += lanes;
             good += lot.good;
             bad += lot.bad;
             cancelled |= lot.cancelled;
             panicked |= lot.panicked;
             reports.extend(lot.reports);
-            columns.iter_mut().zip(lot.outputs).for_each(|(all, one)| all.push(one));
+            columns.iter_mut().zip(outputs).for_each(|(all, one)| all.push(one));
         }
         for ((pieces, port), out) in columns.into_iter().zip(&node_type.outputs).zip(&mut parts) {
             if let Err(fail) = join(pieces, port, &branch.path, branch.lanes.count, out) {

@@ -69,9 +69,14 @@ impl Output {
         Self { lanes, kind: Kind::Unset, mixed: false }
     }
 
+    /// What has been set, leaving nothing.
+    pub fn take(&mut self) -> Self {
+        std::mem::replace(self, Self::new(self.lanes))
+    }
+
     pub fn set_item<T: Item>(&mut self, lane: usize, value: T) {
         if self.lanes == 1 {
-            self.kind = Kind::One(Column::new(vec![value]), false);
+            self.kind = Kind::One(Column::single(value), false);
             return;
         }
         if let Kind::Unset = self.kind {

@@ -37,10 +37,11 @@ impl Session {
     pub fn evaluate(&mut self, targets: &[&str], control: &Control<'_>) -> Report {
         let start = Instant::now();
         let mut report = Report { diagnostics: self.plan.general.clone(), ..Report::default() };
-        if !targets.is_empty() || !self.all_needed {
+        if self.asked.as_ref().is_none_or(|asked| *asked != targets) {
             let goals = self.find_goals(targets, &mut report.diagnostics);
             self.mark_needed(goals);
-            self.all_needed = targets.is_empty();
+            let all_known = report.diagnostics.len() == self.plan.general.len();
+            self.asked = all_known.then(|| targets.iter().map(|t| (*t).to_owned()).collect());
         }
         let mut evaluation = Evaluation {
             undo: Vec::new(),
@@ -48,6 +49,7 @@ impl Session {
             reports: Vec::new(),
             files: Files::new(),
             log: self.events.len(),
+            clock: start,
         };
         let dirty_before = self.fill_queue();
         let meter = Meter { tell: control.on_progress, state: Mutex::new(self.expected(control)) };
@@ -191,7 +193,8 @@ impl Session {
             && let Some(job) = jobs.pop_if(|j| self.is_tiny(j.node as usize))
         {
             let (n, key) = (job.node, job.key);
-            let (outcome, time) = self.run_job(job, false, cancel, meter);
+            let (outcome, end) = self.run_job(job, false, cancel, meter);
+            let time = end - std::mem::replace(&mut e.clock, end);
             if cancel.load(Ordering::Relaxed) {
                 return false;
             }
@@ -201,6 +204,7 @@ impl Session {
         }
         let order: Vec<(u32, u128)> = jobs.iter().map(|j| (j.node, j.key)).collect();
         let outcomes = self.run_jobs(jobs, cancel, meter);
+        e.clock = Instant::now();
         if cancel.load(Ordering::Relaxed) {
             return false;
         }
@@ -323,15 +327,25 @@ impl Session {
     fn run_jobs(&self, jobs: Vec<Job>, cancel: &AtomicBool, meter: &Meter<'_>) -> Vec<(Outcome, Duration)> {
         let expected: f64 = jobs.iter().map(|j| self.weight(j.node as usize)).sum();
         if expected < 10.0 * TINY && jobs.iter().all(|j| self.is_tiny(j.node as usize)) {
-            return jobs.into_iter().map(|j| self.run_job(j, false, cancel, meter)).collect();
+            let mut clock = Instant::now();
+            let run = |j| {
+                let (outcome, end) = self.run_job(j, false, cancel, meter);
+                (outcome, end - std::mem::replace(&mut clock, end))
+            };
+            return jobs.into_iter().map(run).collect();
         }
+        let alone = |j| {
+            let start = Instant::now();
+            let (outcome, end) = self.run_job(j, true, cancel, meter);
+            (outcome, end - start)
+        };
         let slow = jobs.iter().any(|j| self.plan.node_type(j.node as usize).is_some_and(|t| t.slow));
         let run = || -> Vec<(Outcome, Duration)> {
             if jobs.len() == 1 {
-                return jobs.into_iter().map(|j| self.run_job(j, true, cancel, meter)).collect();
+                return jobs.into_iter().map(alone).collect();
             }
             let least = if slow { 1 } else { 32 };
-            jobs.into_par_iter().with_min_len(least).map(|j| self.run_job(j, true, cancel, meter)).collect()
+            jobs.into_par_iter().with_min_len(least).map(alone).collect()
         };
         match self.pool() {
             Some(pool) => pool.install(run),
@@ -354,19 +368,10 @@ impl Session {
         literals.chain(wires).sum()
     }
 
-    fn run_job(&self, job: Job, parallel: bool, cancel: &AtomicBool, meter: &Meter<'_>) -> (Outcome, Duration) {
+    /// Runs a node; gives when it was done, so that of nodes that run one after another each reads the clock once.
+    fn run_job(&self, job: Job, parallel: bool, cancel: &AtomicBool, meter: &Meter<'_>) -> (Outcome, Instant) {
         let i = job.node as usize;
-        let start = Instant::now();
-        let Some(t) = self.plan.node_type(i) else { return (Outcome::failure(Vec::new()), Duration::ZERO) };
-        let mut reports = Vec::new();
-        let (inputs, matching) =
-            match gather::inputs(&self.plan, &self.registry, i, &self.values, job.files, &mut reports) {
-                Ok(inputs) => inputs,
-                Err(fail) => {
-                    reports.push((Severity::Error, fail));
-                    return (Outcome::failure(reports), start.elapsed());
-                }
-            };
+        let Some(t) = self.plan.node_type(i) else { return (Outcome::failure(Vec::new()), Instant::now()) };
         let (id, weight) = (&self.plan.ids[i], self.weight(i));
         let show = |fraction: f64| meter.show(id, weight, fraction);
         let report: Option<&(dyn Fn(f64) + Sync)> = if meter.tell.is_some() { Some(&show) } else { None };
@@ -374,11 +379,25 @@ impl Session {
             show(0.0);
         }
         let monitor = Monitor { cancel, report, span: (0.0, 1.0) };
+        if job.files.is_empty()
+            && let Some(outcome) = matching::run_simple(t, gather::simple(&self.plan, t, i, &self.values), monitor)
+        {
+            return (outcome, Instant::now());
+        }
+        let mut reports = Vec::new();
+        let (inputs, matching) =
+            match gather::inputs(&self.plan, &self.registry, i, &self.values, job.files, &mut reports) {
+                Ok(inputs) => inputs,
+                Err(fail) => {
+                    reports.push((Severity::Error, fail));
+                    return (Outcome::failure(reports), Instant::now());
+                }
+            };
         let mut outcome = matching::run(t, inputs, matching, monitor, parallel);
         if !reports.is_empty() {
             reports.append(&mut outcome.reports);
             outcome.reports = reports;
         }
-        (outcome, start.elapsed())
+        (outcome, Instant::now())
     }
 }

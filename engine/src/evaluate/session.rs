@@ -95,8 +95,8 @@ pub struct Session {
     pub(crate) vocal: BTreeSet<u32>,
     /// What `needed` was computed for.
     pub(crate) goals: Option<Vec<u32>>,
-    /// The goals are those of an evaluation without targets.
-    pub(crate) all_needed: bool,
+    /// The targets that the goals were found for, if all of them are known.
+    pub(crate) asked: Option<Vec<String>>,
     /// Some value was dropped at some time, so goals may lack theirs.
     pub(crate) evicted: bool,
     /// Nodes with file inputs: their files are looked at in every evaluation.
@@ -133,7 +133,7 @@ impl Session {
             dirty: Vec::new(),
             vocal: BTreeSet::new(),
             goals: None,
-            all_needed: false,
+            asked: None,
             evicted: false,
             readers: Vec::new(),
             costs: Vec::new(),
@@ -158,7 +158,7 @@ impl Session {
         self.dirty = (0..count as u32).collect();
         self.vocal.clear();
         self.goals = None;
-        self.all_needed = false;
+        self.asked = None;
         self.readers = (0..count as u32).filter(|n| self.plan.nodes[*n as usize].has_files).collect();
         self.costs = vec![0.0; self.plan.types.len()];
     }

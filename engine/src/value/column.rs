@@ -18,6 +18,13 @@ struct Typed<T> {
     bytes: usize,
 }
 
+/// One item without a gap, which most columns are: one allocation, and nothing but the item in it.
+struct Single<T> {
+    digest: u128,
+    bytes: usize,
+    item: T,
+}
+
 trait ColumnData: Send + Sync {
     fn as_any(&self) -> &dyn Any;
     fn item_type(&self) -> TypeId;
@@ -80,20 +87,94 @@ impl<T: Item> ColumnData for Typed<T> {
     }
 
     fn concat(&self, all: &[Column]) -> Option<Column> {
-        let total = all.iter().map(Column::len).sum();
-        let (mut items, mut valid, mut gaps) = (Vec::with_capacity(total), Vec::with_capacity(total), false);
-        for column in all {
-            items.extend_from_slice(column.slice::<T>()?);
-            match column.0.valid() {
-                Some(v) => {
-                    gaps = true;
-                    valid.extend_from_slice(v);
+        concat::<T>(all)
+    }
+}
+
+/// Digest of type, items and gaps; `valid` tells which are none, if there are gaps.
+fn digest<T: Item>(items: &[T], valid: Option<&[bool]>) -> u128 {
+    let mut d = Digester::new();
+    d.str(T::TYPE);
+    d.u64(items.len() as u64);
+    match valid {
+        None => {
+            d.u8(0);
+            T::digest_all(items, &mut d);
+        }
+        Some(valid) => {
+            d.u8(1);
+            for (item, ok) in items.iter().zip(valid) {
+                d.bool(*ok);
+                if *ok {
+                    item.digest(&mut d);
                 }
-                None => valid.resize(items.len(), true),
             }
         }
-        Some(Column::build(items, gaps.then_some(valid)))
     }
+    d.finish()
+}
+
+impl<T: Item> ColumnData for Single<T> {
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+
+    fn item_type(&self) -> TypeId {
+        TypeId::of::<T>()
+    }
+
+    fn type_name(&self) -> &'static str {
+        T::TYPE
+    }
+
+    fn len(&self) -> usize {
+        1
+    }
+
+    fn valid(&self) -> Option<&[bool]> {
+        None
+    }
+
+    fn digest(&self) -> u128 {
+        self.digest
+    }
+
+    fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    fn item_json(&self, _: usize) -> Json {
+        self.item.to_json()
+    }
+
+    fn item_summary(&self, _: usize) -> String {
+        self.item.summary()
+    }
+
+    fn pick(&self, order: &[Option<usize>]) -> Column {
+        Column::with_gaps::<T>(order.iter().map(|i| i.filter(|i| *i == 0).map(|_| self.item.clone())).collect())
+    }
+
+    fn concat(&self, all: &[Column]) -> Option<Column> {
+        concat::<T>(all)
+    }
+}
+
+/// Columns of one type one after another; `None` if one is of another type.
+fn concat<T: Item>(all: &[Column]) -> Option<Column> {
+    let total = all.iter().map(Column::len).sum();
+    let (mut items, mut valid, mut gaps) = (Vec::with_capacity(total), Vec::with_capacity(total), false);
+    for column in all {
+        items.extend_from_slice(column.slice::<T>()?);
+        match column.0.valid() {
+            Some(v) => {
+                gaps = true;
+                valid.extend_from_slice(v);
+            }
+            None => valid.resize(items.len(), true),
+        }
+    }
+    Some(Column::build(items, gaps.then_some(valid)))
 }
 
 impl Column {
@@ -101,6 +182,14 @@ impl Column {
     #[must_use]
     pub fn new<T: Item>(items: Vec<T>) -> Self {
         Self::build(items, None)
+    }
+
+    /// A column of one item: what [`Column::new`] makes of a list of one, without the list.
+    #[must_use]
+    pub fn single<T: Item>(item: T) -> Self {
+        let digest = digest(std::slice::from_ref(&item), None);
+        let bytes = size_of::<Single<T>>() + item.heap_bytes();
+        Self(Arc::new(Single { digest, bytes, item }))
     }
 
     /// A column in which `None` is a gap. O(n).
@@ -111,31 +200,20 @@ impl Column {
         Self::build(items, Some(valid))
     }
 
-    pub(crate) fn build<T: Item>(items: Vec<T>, valid: Option<Vec<bool>>) -> Self {
+    pub(crate) fn build<T: Item>(mut items: Vec<T>, valid: Option<Vec<bool>>) -> Self {
         let valid = valid.filter(|v| v.contains(&false)).map(Vec::into_boxed_slice);
-        let mut d = Digester::new();
-        d.str(T::TYPE);
-        d.u64(items.len() as u64);
-        match &valid {
-            None => {
-                d.u8(0);
-                T::digest_all(&items, &mut d);
-            }
-            Some(valid) => {
-                d.u8(1);
-                for (item, ok) in items.iter().zip(valid) {
-                    d.bool(*ok);
-                    if *ok {
-                        item.digest(&mut d);
-                    }
-                }
-            }
+        if items.len() == 1
+            && valid.is_none()
+            && let Some(item) = items.pop()
+        {
+            return Self::single(item);
         }
+        let digest = digest(&items, valid.as_deref());
         let bytes = size_of::<Typed<T>>()
             + size_of_val(items.as_slice())
             + items.iter().map(Item::heap_bytes).sum::<usize>()
             + valid.as_ref().map_or(0, |v| v.len());
-        Self(Arc::new(Typed { items: items.into_boxed_slice(), valid, digest: d.finish(), bytes }))
+        Self(Arc::new(Typed { items: items.into_boxed_slice(), valid, digest, bytes }))
     }
 
     /// Items and gaps together.
@@ -163,13 +241,21 @@ impl Column {
     /// All items as a slice, if they are of type `T`; gaps hold `T::default()`, ask [`Column::is_valid`].
     #[must_use]
     pub fn slice<T: Item>(&self) -> Option<&[T]> {
-        self.0.as_any().downcast_ref::<Typed<T>>().map(|typed| &*typed.items)
+        let any = self.0.as_any();
+        match any.downcast_ref::<Single<T>>() {
+            Some(single) => Some(std::slice::from_ref(&single.item)),
+            None => any.downcast_ref::<Typed<T>>().map(|typed| &*typed.items),
+        }
     }
 
     /// Item `i`; `None` for a gap, past the end, or if the items are not of type `T`.
     #[must_use]
     pub fn get<T: Item>(&self, i: usize) -> Option<&T> {
-        let typed = self.0.as_any().downcast_ref::<Typed<T>>()?;
+        let any = self.0.as_any();
+        if let Some(single) = any.downcast_ref::<Single<T>>() {
+            return (i == 0).then_some(&single.item);
+        }
+        let typed = any.downcast_ref::<Typed<T>>()?;
         match &typed.valid {
             Some(valid) if !valid.get(i).copied().unwrap_or(false) => None,
             _ => typed.items.get(i),

@@ -97,6 +97,9 @@ impl Digester {
 
     /// Many floats without their count.
     pub(crate) fn f64s_raw(&mut self, values: &[f64]) {
+        if let [one] = values {
+            return self.f64(*one);
+        }
         let mut block = [0u8; 8 * 64];
         for chunk in values.chunks(64) {
             for (v, out) in chunk.iter().zip(block.chunks_exact_mut(8)) {

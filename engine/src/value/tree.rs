@@ -47,7 +47,7 @@ impl Tree {
     /// One item at `{0}`.
     #[must_use]
     pub fn item<T: Item>(item: T) -> Self {
-        Self::column(Column::new(vec![item]))
+        Self::column(Column::single(item))
     }
 
     /// One list at `{0}`.

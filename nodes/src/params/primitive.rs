@@ -17,6 +17,7 @@ pub(super) fn nodes() -> Vec<NodeType> {
 
 fn primitive<T: Item>(id: &'static str, name: &'static str, doc: &'static str) -> NodeType {
     NodeType::new(id, 1)
+        .cheap()
         .name(name)
         .category("Parameters")
         .doc(doc)
