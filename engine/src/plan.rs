@@ -390,6 +390,17 @@ impl Plan {
         self.errors.entry(n as u32).or_default().push((port, diagnostic));
     }
 
+    /// Takes what was found before compiling: errors of nodes keep those from running.
+    pub fn add(&mut self, diagnostics: Vec<Diagnostic>) {
+        for diagnostic in diagnostics {
+            let node = diagnostic.node.as_ref().filter(|_| diagnostic.severity == Severity::Error);
+            match node.and_then(|id| self.find(id)) {
+                Some(n) => self.error(n, None, diagnostic),
+                None => self.general.push(diagnostic),
+            }
+        }
+    }
+
     /// Forgets the errors of one parameter.
     fn mend(&mut self, n: usize, port: u32) {
         let Some(errors) = self.errors.get_mut(&(n as u32)) else { return };

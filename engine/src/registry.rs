@@ -225,6 +225,16 @@ pub enum RegistryError {
     /// `run` was never called.
     #[error("node type \"{0}\" has no function to run")]
     NoRun(String),
+    /// A migration of no known type, from a version that has one, or from one that the type has not left behind.
+    #[error(
+        "node type \"{node}\": no migration from version {from}: unknown type, a second one, or not older than the type"
+    )]
+    Migration {
+        /// Node type.
+        node: String,
+        /// The version that it starts from.
+        from: u32,
+    },
     /// A port marked as a file is not a text item.
     #[error("node type \"{node}\": the file port \"{port}\" must be a text item")]
     FilePort {
@@ -238,12 +248,17 @@ pub enum RegistryError {
 /// A column turned into another type; items that could not be turned are gaps and named.
 pub(crate) type Convert = Arc<dyn Fn(&Column) -> (Column, Vec<(usize, String)>) + Send + Sync>;
 
-/// Node types, item types and conversions.
+/// A node of the file, as JSON, made into one of the next version.
+pub(crate) type Migration = Box<dyn Fn(Json) -> Result<Json, String> + Send + Sync>;
+
+/// Node types, item types, conversions and migrations.
 #[derive(Default)]
 pub struct Registry {
     nodes: BTreeMap<Arc<str>, Arc<NodeType>>,
     types: BTreeMap<&'static str, ItemType>,
     conversions: HashMap<(TypeId, TypeId), Convert>,
+    /// By node type and the version that it starts from.
+    migrations: BTreeMap<Arc<str>, BTreeMap<u32, Migration>>,
 }
 
 impl Registry {
@@ -328,6 +343,38 @@ impl Registry {
         node.digest = d.finish();
         self.nodes.insert(node.type_name.clone(), Arc::new(node));
         Ok(())
+    }
+
+    /// Says how a node of version `from` becomes one of version `from + 1`. `step` gets the node as it stands in the file
+    /// (`type`, `v`, `params`, `inputs` …) and must be pure; `v` is set by the engine, `type` has to stay. What fails is told
+    /// with the step's own words. The node type has to be registered before.
+    ///
+    /// # Errors
+    /// If there is no such node type, a step from that version is there already, or the type's own version is not newer.
+    pub fn register_migration(
+        &mut self,
+        type_name: &str,
+        from: u32,
+        step: impl Fn(Json) -> Result<Json, String> + Send + Sync + 'static,
+    ) -> Result<(), RegistryError> {
+        let wrong = || RegistryError::Migration { node: type_name.to_owned(), from };
+        let node = self.nodes.get(type_name).filter(|t| from < t.version).ok_or_else(wrong)?;
+        let steps = self.migrations.entry(node.type_name.clone()).or_default();
+        if steps.contains_key(&from) {
+            return Err(wrong());
+        }
+        steps.insert(from, Box::new(step));
+        Ok(())
+    }
+
+    pub(crate) fn migration(&self, type_name: &str, from: u32) -> Option<&Migration> {
+        self.migrations.get(type_name)?.get(&from)
+    }
+
+    /// Node type and starting version of every migration, in order; each should have a file before and a file after it
+    /// among the tests.
+    pub fn migrations(&self) -> impl Iterator<Item = (&str, u32)> {
+        self.migrations.iter().flat_map(|(name, steps)| steps.keys().map(move |from| (&**name, *from)))
     }
 
     /// The node type of that name.

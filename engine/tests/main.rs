@@ -8,6 +8,7 @@ mod common;
 mod file;
 mod lanes;
 mod laws;
+mod migrations;
 mod operations;
 mod ports;
 mod scale;

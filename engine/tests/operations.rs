@@ -155,7 +155,7 @@ fn reads_back(document: &Document) -> Result<(), TestCaseError> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(128))]
+    #![proptest_config(ProptestConfig::with_cases(96))]
 
     #[test]
     fn every_operation_can_be_taken_back_byte_for_byte(document in any_document(), steps in vec(any_operation(), 1..12)) {

@@ -4,6 +4,7 @@ pub(crate) mod fields;
 pub(crate) mod format;
 pub(crate) mod layout;
 pub(crate) mod load;
+pub(crate) mod migrate;
 pub(crate) mod model;
 pub(crate) mod operations;
 pub(crate) mod validate;

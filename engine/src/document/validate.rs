@@ -10,7 +10,16 @@ impl Document {
     /// between types that do not fit, parameters that their port does not accept, inputs without value. O(nodes + wires).
     #[must_use]
     pub fn validate(&self, registry: &Registry) -> Vec<Diagnostic> {
-        let plan = Plan::compile(self, registry);
+        // What is judged is what would run: nodes of older versions after their migrations.
+        let plan = if self.needs_migration(registry) {
+            let mut document = self.clone();
+            let told = document.migrate(registry);
+            let mut plan = Plan::compile(&document, registry);
+            plan.add(told);
+            plan
+        } else {
+            Plan::compile(self, registry)
+        };
         let mut all = plan.general.clone();
         for n in 0..plan.nodes.len() {
             all.extend(plan.errors(n).cloned());

@@ -121,10 +121,12 @@ fn check_range(name: &str, input: &InterfaceInput, tree: &Tree) -> Result<(), Di
 
 impl Session {
     /// A session; nothing runs yet. What is wrong with the document shows in [`Document::validate`] and in reports.
-    /// O(nodes + wires).
+    /// Nodes of older versions are migrated. O(nodes + wires).
     #[must_use]
-    pub fn new(registry: Arc<Registry>, document: Document, options: Options) -> Self {
-        let plan = Plan::compile(&document, &registry);
+    pub fn new(registry: Arc<Registry>, mut document: Document, options: Options) -> Self {
+        let told = document.migrate(&registry);
+        let mut plan = Plan::compile(&document, &registry);
+        plan.add(told);
         let mut session = Self {
             queue: Queue::new(0, 0),
             nodes: Vec::new(),
@@ -177,8 +179,10 @@ impl Session {
 
     /// Exchanges the document; remembered results stay, so only what is new runs, and frozen nodes keep their outputs.
     /// O(nodes + wires).
-    pub fn replace(&mut self, document: Document) {
-        let plan = Plan::compile(&document, &self.registry);
+    pub fn replace(&mut self, mut document: Document) {
+        let told = document.migrate(&self.registry);
+        let mut plan = Plan::compile(&document, &self.registry);
+        plan.add(told);
         let old_plan = std::mem::replace(&mut self.plan, plan);
         self.document = document;
         let (old_nodes, old_values) = (std::mem::take(&mut self.nodes), std::mem::take(&mut self.values));

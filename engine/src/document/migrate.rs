@@ -1,0 +1,65 @@
+//! Migrations: nodes written for older versions of their types, brought to today's, one version at a time.
+
+use super::format::node_text;
+use super::load::{object_of, read_node};
+use super::model::{Document, Node};
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::registry::Registry;
+use crate::value::Json;
+
+impl Document {
+    /// Brings every node of an older version as far forward as the registry has steps for, and says which: a note for each
+    /// node that was changed, an error for each whose step failed; that one stays as it was. Nodes of unknown types
+    /// and of today's version stay byte for byte. O(nodes + text of what is migrated).
+    pub fn migrate(&mut self, registry: &Registry) -> Vec<Diagnostic> {
+        let mut all = Vec::new();
+        for (id, node) in self.nodes.iter_mut().filter(|(_, node)| is_old(node, registry)) {
+            match forward(node, registry) {
+                Ok(new) => {
+                    let message =
+                        format!("brought from version {} of \"{}\" to {}", node.version, node.type_name, new.version);
+                    let note = Diagnostic::error("migrated-node", message).with_severity(Severity::Note);
+                    all.push(note.at(id).hint("save the graph to keep it so"));
+                    *node = new;
+                }
+                Err(why) => {
+                    let message =
+                        format!("version {} of \"{}\" cannot be brought forward: {why}", node.version, node.type_name);
+                    all.push(Diagnostic::error("migration-failed", message).at(id));
+                }
+            }
+        }
+        all
+    }
+
+    /// True if [`Document::migrate`] has something to do. O(nodes).
+    pub(crate) fn needs_migration(&self, registry: &Registry) -> bool {
+        self.nodes.values().any(|node| is_old(node, registry))
+    }
+}
+
+fn is_old(node: &Node, registry: &Registry) -> bool {
+    registry.get(&node.type_name).is_some_and(|t| node.version < t.version)
+        && registry.migration(&node.type_name, node.version).is_some()
+}
+
+/// The node after all steps that there are.
+fn forward(node: &Node, registry: &Registry) -> Result<Node, String> {
+    let newest = registry.get(&node.type_name).map_or(0, |t| t.version);
+    let mut json = Json::Object(object_of(&node_text(node)).ok_or("it cannot be written as JSON")?);
+    let mut version = node.version;
+    while version < newest {
+        let Some(step) = registry.migration(&node.type_name, version) else { break };
+        json = step(json)?;
+        let Some(object) = json.as_object_mut() else { return Err("the step gives no object".into()) };
+        if object.get("type").and_then(Json::as_str) != Some(&node.type_name) {
+            return Err("the step changes the type".into());
+        }
+        version += 1;
+        object.insert("v".into(), version.into());
+    }
+    let mut new = read_node(&json.to_string()).ok_or("the step gives no node")?;
+    // Text made here is nobody's spacing.
+    new.raw = super::model::Raw(None);
+    Ok(new)
+}
