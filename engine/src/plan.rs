@@ -85,6 +85,11 @@ impl Plan {
         plan.connect(document, registry);
         plan.order();
         plan.check_interface(document);
+        // They grew by doubling; a plan stays as it is for long.
+        plan.slots.shrink_to_fit();
+        plan.wires.shrink_to_fit();
+        plan.output_node.shrink_to_fit();
+        plan.literals.shrink_to_fit();
         plan
     }
 
