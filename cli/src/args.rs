@@ -149,6 +149,9 @@ pub struct NodesArgs {
     /// Describe only this node type
     #[arg(value_name = "TYPE")]
     pub node_type: Option<String>,
+    /// List instead what wires turn into what by themselves
+    #[arg(long, conflicts_with = "node_type")]
+    pub conversions: bool,
     /// Print the descriptions as JSON
     #[arg(long)]
     pub json: bool,

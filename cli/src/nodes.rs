@@ -1,15 +1,18 @@
-//! `tenon nodes`: lists the node types, or describes one.
+//! `tenon nodes`: lists the node types, or describes one, or lists the implicit conversions.
 
 use crate::End;
 use crate::args::NodesArgs;
 use crate::words::{Wrong, print, print_json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use tenon_engine::Json;
+use tenon_engine::{Json, Registry};
 
 /// Prints all node types by category, or everything about one.
 pub fn nodes(args: &NodesArgs) -> Result<End, Wrong> {
     let registry = tenon_nodes::registry();
+    if args.conversions {
+        return conversions(&registry, args.json);
+    }
     if let Some(name) = &args.node_type {
         let Some(node) = registry.get(name) else {
             let known = registry.iter().map(|n| n.type_name());
@@ -32,6 +35,17 @@ pub fn nodes(args: &NodesArgs) -> Result<End, Wrong> {
         print_json(&Json::Array(all))?;
     } else {
         print(&list(&all))?;
+    }
+    Ok(End::Done)
+}
+
+/// One line per implicit conversion.
+fn conversions(registry: &Registry, json: bool) -> Result<End, Wrong> {
+    let all = registry.conversions();
+    if json {
+        print_json(&all.iter().map(|c| serde_json::json!({ "from": c.from, "to": c.to })).collect())?;
+    } else {
+        print(&all.iter().map(|c| format!("{} -> {}\n", c.from, c.to)).collect::<String>())?;
     }
     Ok(End::Done)
 }

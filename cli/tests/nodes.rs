@@ -27,6 +27,21 @@ fn one_type_is_described_with_its_ports() {
 }
 
 #[test]
+fn the_conversions_are_those_of_the_book() {
+    let folder = Folder::new();
+    let list = folder.tenon(&["nodes", "--conversions"]).code(0).stdout;
+    assert_eq!(list, "integer -> number\nitem -> list\npoint -> vector\nvector -> point\n");
+    let json = folder.tenon(&["nodes", "--conversions", "--json"]).code(0).json();
+    let book = include_str!("../../docs/values.md");
+    for conversion in json.as_array().unwrap() {
+        let (from, to) = (conversion["from"].as_str().unwrap(), conversion["to"].as_str().unwrap());
+        assert!(book.contains(&format!("| {from} | {to} |")), "{from} -> {to} is not in docs/values.md");
+    }
+    assert_eq!(json.as_array().unwrap().len(), list.lines().count());
+    folder.tenon(&["nodes", "--conversions", "series"]).code(2);
+}
+
+#[test]
 fn an_unknown_type_gets_the_nearest() {
     Folder::new().tenon(&["nodes", "seris"]).code(2).says(&["seris", "did you mean \"series\"?"]);
 }

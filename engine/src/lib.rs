@@ -5,6 +5,7 @@ mod call;
 mod diagnostic;
 mod document;
 mod evaluate;
+mod numeric;
 mod plan;
 mod port;
 mod registry;
@@ -20,7 +21,8 @@ pub use document::{
 pub use evaluate::matching::Matching;
 pub use evaluate::report::{Control, Event, Happened, NodeReport, Progress, Report};
 pub use evaluate::session::{Host, NoHost, Options, Session};
+pub use numeric::{Random, Statistics};
 pub use port::{Access, Port, Unit};
-pub use registry::{NodeType, Registry, RegistryError};
+pub use registry::{Conversion, NodeType, Registry, RegistryError};
 pub use schema::{schema, schema_with_nodes};
 pub use value::{Column, Digester, File, Item, Json, Path, Text, Tree, digest_bytes};

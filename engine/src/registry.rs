@@ -6,7 +6,7 @@ use crate::port::{ItemType, Port};
 use crate::value::{Column, Digester, File, Item, Json, Text, Tree};
 use std::any::TypeId;
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
 type Run = Box<dyn Fn(&mut Call<'_>) -> Result<(), Fail> + Send + Sync>;
@@ -251,6 +251,15 @@ pub(crate) type Convert = Arc<dyn Fn(&Column) -> (Column, Vec<(usize, String)>) 
 /// A node of the file, as JSON, made into one of the next version.
 pub(crate) type Migration = Box<dyn Fn(Json) -> Result<Json, String> + Send + Sync>;
 
+/// What a wire turns into what by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Conversion {
+    /// What comes in: an item type, or `item` of any type.
+    pub from: &'static str,
+    /// What the port takes: an item type, or `list` of the same type.
+    pub to: &'static str,
+}
+
 /// Node types, item types, conversions and migrations.
 #[derive(Default)]
 pub struct Registry {
@@ -259,6 +268,7 @@ pub struct Registry {
     conversions: HashMap<(TypeId, TypeId), Convert>,
     /// By node type and the version that it starts from.
     migrations: BTreeMap<Arc<str>, BTreeMap<u32, Migration>>,
+    conversion_names: BTreeSet<Conversion>,
 }
 
 impl Registry {
@@ -301,6 +311,16 @@ impl Registry {
             (Column::with_gaps::<B>(items), errors)
         });
         self.conversions.insert((TypeId::of::<A>(), TypeId::of::<B>()), convert);
+        self.conversion_names.insert(Conversion { from: A::TYPE, to: B::TYPE });
+    }
+
+    /// Every implicit conversion, by name: the registered ones, and that an item of any type is a list of one to a list
+    /// port. There is no other.
+    #[must_use]
+    pub fn conversions(&self) -> Vec<Conversion> {
+        let mut all: BTreeSet<Conversion> = self.conversion_names.clone();
+        all.insert(Conversion { from: "item", to: "list" });
+        all.into_iter().collect()
     }
 
     pub(crate) fn conversion(&self, from: TypeId, to: TypeId) -> Option<&Convert> {

@@ -8,10 +8,13 @@ mod joint;
 mod machine;
 mod mesh;
 mod motion;
+mod number;
 mod panel;
 mod params;
 pub mod post;
 mod proof;
+mod text;
+mod tree;
 pub mod value;
 
 use tenon_engine::{NodeType, Registry};
@@ -21,8 +24,11 @@ use tenon_engine::{NodeType, Registry};
 pub fn registry() -> Registry {
     let mut registry = Registry::new();
     value::register(&mut registry);
-    let folders: [fn() -> Vec<NodeType>; 10] = [
+    let folders: [fn() -> Vec<NodeType>; 13] = [
         params::nodes,
+        number::nodes,
+        text::nodes,
+        tree::nodes,
         curve::nodes,
         mesh::nodes,
         panel::nodes,

@@ -7,3 +7,4 @@ mod graphs;
 mod order;
 mod registry;
 mod same_bytes;
+mod trees;

@@ -3,6 +3,7 @@
 pub(crate) mod column;
 pub(crate) mod digest;
 pub(crate) mod item;
+mod order;
 pub(crate) mod tree;
 
 pub use column::Column;
