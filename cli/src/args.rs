@@ -32,6 +32,8 @@ pub enum Command {
     Inspect(InspectArgs),
     /// Print the JSON Schema of graph files
     Schema(SchemaArgs),
+    /// Compare graphs with the expectations recorded beside them
+    Test(TestArgs),
     /// Rewrite graph files in the canonical form
     Fmt(FmtArgs),
     /// Evaluate a graph for many values of its inputs
@@ -199,4 +201,27 @@ pub struct SchemaArgs {
     /// Narrow it to the installed node types, each with its parameters and inputs
     #[arg(long)]
     pub nodes: bool,
+}
+
+/// Options of `tenon test`.
+#[derive(Debug, Args)]
+pub struct TestArgs {
+    /// Graph files, or folders that hold exactly one *.tenon.json; NAME.expect.json stands beside NAME.tenon.json
+    #[arg(required = true, value_name = "GRAPH")]
+    pub graphs: Vec<PathBuf>,
+    /// Write what the graphs now come to as what is expected of them; tolerances and inputs that stand there stay
+    #[arg(long)]
+    pub record: bool,
+    /// With --record: expect the digest of every output, so that not one bit may differ
+    #[arg(long, requires = "record")]
+    pub exact: bool,
+    /// Print the outcomes as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+    /// Write the outcomes as JUnit XML
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Threads to use; 0 means all there are
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub threads: u16,
 }

@@ -16,6 +16,7 @@ mod progress;
 mod run;
 mod schema;
 mod sweep;
+mod test;
 mod words;
 
 use args::{Command, CommandLine, RunArgs};
@@ -33,6 +34,8 @@ pub enum End {
     Done,
     /// The graph has errors, or files are not as they should be.
     Errors,
+    /// Something is wrong and has been said.
+    Wrong,
     /// Ctrl-C.
     Interrupted,
 }
@@ -48,6 +51,7 @@ fn main() -> ExitCode {
         Some(Command::Nodes(a)) => a.json,
         Some(Command::Inspect(a)) => a.json,
         Some(Command::Sweep(a)) => sweep::json(a),
+        Some(Command::Test(a)) => a.json,
         Some(Command::Schema(_) | Command::Fmt(_)) | None => false,
     };
     let result = match line.command {
@@ -56,6 +60,7 @@ fn main() -> ExitCode {
         Some(Command::Nodes(a)) => nodes::nodes(&a),
         Some(Command::Inspect(a)) => inspect::inspect(&a),
         Some(Command::Schema(a)) => schema::schema(&a),
+        Some(Command::Test(a)) => test::test(&a),
         Some(Command::Fmt(a)) => fmt::fmt(&a),
         Some(Command::Sweep(a)) => sweep::sweep(&a),
         None => run_default(),
@@ -63,6 +68,7 @@ fn main() -> ExitCode {
     match result {
         Ok(End::Done) => ExitCode::SUCCESS,
         Ok(End::Errors) => ExitCode::from(1),
+        Ok(End::Wrong) => ExitCode::from(2),
         Ok(End::Interrupted) => ExitCode::from(interrupt::INTERRUPTED),
         Err(wrong) => {
             if json {

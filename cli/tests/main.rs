@@ -13,4 +13,5 @@ mod schema;
 mod set;
 mod sweep;
 mod tenon;
+mod test;
 mod write;

@@ -5,6 +5,7 @@ mod call;
 mod diagnostic;
 mod document;
 mod evaluate;
+mod expect;
 mod numeric;
 mod plan;
 mod port;
@@ -21,6 +22,7 @@ pub use document::{
 pub use evaluate::matching::Matching;
 pub use evaluate::report::{Control, Event, Happened, NodeReport, Progress, Report};
 pub use evaluate::session::{Host, NoHost, Options, Session};
+pub use expect::{Expectations, Outcome, Tolerance};
 pub use numeric::{Random, Statistics};
 pub use port::{Access, Port, Unit};
 pub use registry::{Conversion, NodeType, Registry, RegistryError};
