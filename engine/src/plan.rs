@@ -1,6 +1,7 @@
 //! The plan: the document compiled to dense tables, so that evaluation follows numbers and never looks up a name.
 //! Nodes are numbered in the order of their ids; slots, wires and successors lie in flat tables (CSR).
 
+mod formula;
 mod order;
 
 use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
@@ -60,6 +61,8 @@ pub(crate) struct Plan {
     pub levels: usize,
     /// Errors and warnings of nodes; the port, if it is one parameter's fault that setting it would mend.
     errors: BTreeMap<u32, Vec<(Option<u32>, Diagnostic)>>,
+    /// Parameters that are formulas, by node and port, with the names of the interface inputs in them.
+    formulas: BTreeMap<(u32, u32), Vec<String>>,
     /// What concerns no single node.
     pub general: Vec<Diagnostic>,
 }
@@ -79,11 +82,13 @@ impl Plan {
             successors: Vec::new(),
             levels: 0,
             errors: BTreeMap::new(),
+            formulas: BTreeMap::new(),
             general: Vec::new(),
         };
         plan.place_nodes(document, registry);
         plan.connect(document, registry);
         plan.order();
+        plan.compute_formulas(document);
         plan.check_interface(document);
         // They grew by doubling; a plan stays as it is for long.
         plan.slots.shrink_to_fit();
@@ -168,6 +173,12 @@ impl Plan {
                     self.unknown_input(n, id, name, &t);
                     continue;
                 };
+                let names = t.inputs[p].names_in(json);
+                if !names.is_empty() {
+                    // Computed when every literal that it may name is in its place.
+                    self.formulas.insert((n as u32, p as u32), names);
+                    continue;
+                }
                 match t.inputs[p].literal(json) {
                     Ok(tree) => {
                         self.slots[base as usize + p] = Slot::Literal(self.literals.len() as u32);

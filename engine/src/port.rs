@@ -1,6 +1,7 @@
 //! Ports: name, item type, access, unit, range, default and choices of one input or output; and what they accept.
 
 use crate::diagnostic::{Fail, did_you_mean};
+use crate::expression::{Dimension, Expression, Quantity};
 use crate::value::item::kind_of;
 use crate::value::{Column, Item, Json, Text, Tree};
 use std::any::TypeId;
@@ -56,37 +57,22 @@ impl Unit {
         }
     }
 
-    /// How many of this unit one `symbol` is.
-    fn factor(self, symbol: &str) -> Option<f64> {
-        let power = match self {
-            Self::Length | Self::Feed => 1,
-            Self::Area => 2,
-            Self::Volume => 3,
-            Self::Angle => {
-                return match symbol {
-                    "deg" | "°" => Some(1.0),
-                    "rad" => Some(180.0 / std::f64::consts::PI),
-                    _ => None,
-                };
-            }
-            _ => return (symbol == self.symbol() && !symbol.is_empty()).then_some(1.0),
-        };
-        let base = match self {
-            Self::Feed => symbol.strip_suffix("/min")?,
-            Self::Area => symbol.strip_suffix('2')?,
-            Self::Volume => symbol.strip_suffix('3')?,
-            _ => symbol,
-        };
-        let mm: f64 = match base {
-            "mm" => 1.0,
-            "cm" => 10.0,
-            "m" => 1000.0,
-            "in" => 25.4,
-            _ => return None,
-        };
-        Some(mm.powi(power))
+    /// What it measures.
+    pub(crate) fn dimension(self) -> Dimension {
+        match self {
+            Self::None | Self::Ratio | Self::Count => Dimension::default(),
+            Self::Length => Dimension::length(1),
+            Self::Angle => Dimension::ANGLE,
+            Self::Area => Dimension::length(2),
+            Self::Volume => Dimension::length(3),
+            Self::Feed => Dimension::FEED,
+            Self::Speed => Dimension::SPEED,
+        }
     }
 }
+
+/// What a name in a formula stands for, or why it stands for nothing.
+pub(crate) type Names<'a> = &'a dyn Fn(&str) -> Result<Quantity, String>;
 
 /// A column, or which item is wrong and why.
 type Parsed = Result<Column, (usize, String)>;
@@ -293,25 +279,32 @@ impl Port {
         Json::Object(o)
     }
 
-    /// The tree that a literal stands for, checked: numbers may carry a unit (`"12 mm"`, `{"value": 12, "unit": "mm"}`), a JSON
-    /// list is a list of items unless the type itself is written as a list, `null` in it is a gap.
+    /// The tree that a literal stands for where no names are known, see [`Port::literal_with`].
     pub(crate) fn literal(&self, json: &Json) -> Result<Tree, Fail> {
+        self.literal_with(json, &|name| Err(format!("expected a number, found \"{name}\"")))
+    }
+
+    /// The tree that a literal stands for, checked: numbers may carry a unit (`"12 mm"`, `{"value": 12, "unit": "mm"}`) and be
+    /// formulas over names (`"thickness * 2"`), a JSON list is a list of items unless the type itself is written as a
+    /// list, `null` in it is a gap.
+    pub(crate) fn literal_with(&self, json: &Json, names: Names) -> Result<Tree, Fail> {
         let fail = |m: String| Fail::new("bad-literal", m).port(self.name.to_string());
         let column = match json {
             Json::Null => {
                 return Err(fail(format!("null is no {}; leave the parameter out instead", self.item_type.name)));
             }
             Json::Array(items) => {
-                let whole = if self.access == Access::Item { self.parse(&[Some(json.clone())]).ok() } else { None };
+                let whole =
+                    if self.access == Access::Item { self.parse(&[Some(json.clone())], names).ok() } else { None };
                 match whole {
                     Some(column) => column,
                     None => {
                         let items: Vec<Option<Json>> =
                             items.iter().map(|j| (!j.is_null()).then(|| j.clone())).collect();
-                        match self.parse(&items) {
+                        match self.parse(&items, names) {
                             Ok(column) => column,
                             // A list port given one item whose own form is a list, such as a point.
-                            Err((i, why)) => match self.parse(&[Some(json.clone())]) {
+                            Err((i, why)) => match self.parse(&[Some(json.clone())], names) {
                                 Ok(column) => column,
                                 Err((_, alone)) if items.is_empty() => return Err(fail(alone)),
                                 Err(_) => return Err(fail(why).item(i)),
@@ -320,7 +313,7 @@ impl Port {
                     }
                 }
             }
-            one => self.parse(&[Some(one.clone())]).map_err(|(_, why)| fail(why))?,
+            one => self.parse(&[Some(one.clone())], names).map_err(|(_, why)| fail(why))?,
         };
         if self.access == Access::Item && column.is_empty() {
             return Err(fail(format!("an empty list is no {}", self.item_type.name)));
@@ -331,45 +324,61 @@ impl Port {
         Ok(Tree::column(column))
     }
 
-    fn parse(&self, items: &[Option<Json>]) -> Parsed {
-        let numeric = self.item_type.id == Some(TypeId::of::<f64>()) || self.item_type.id == Some(TypeId::of::<i64>());
-        if numeric && items.iter().flatten().any(|j| !j.is_number()) {
+    fn is_numeric(&self) -> bool {
+        self.item_type.id == Some(TypeId::of::<f64>()) || self.item_type.id == Some(TypeId::of::<i64>())
+    }
+
+    /// The names that a literal's formulas use; none if it is no formula, or none that can be read.
+    pub(crate) fn names_in(&self, json: &Json) -> Vec<String> {
+        let items = match json {
+            Json::Array(items) => items.as_slice(),
+            one => std::slice::from_ref(one),
+        };
+        let texts = items.iter().filter(|_| self.is_numeric()).filter_map(Json::as_str);
+        let formulas = texts.filter_map(|text| Expression::parse(text).ok());
+        let mut names: Vec<String> = formulas.flat_map(|formula| formula.names().to_vec()).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+
+    fn parse(&self, items: &[Option<Json>], names: Names) -> Parsed {
+        if self.is_numeric() && items.iter().flatten().any(|j| !j.is_number()) {
             let converted: Result<Vec<Option<Json>>, _> = items
                 .iter()
                 .enumerate()
-                .map(|(i, j)| j.as_ref().map(|j| self.with_unit(j)).transpose().map_err(|e| (i, e)))
+                .map(|(i, j)| j.as_ref().map(|j| self.evaluate(j, names)).transpose().map_err(|e| (i, e)))
                 .collect();
             return (self.item_type.parse)(&converted?);
         }
         (self.item_type.parse)(items)
     }
 
-    fn with_unit(&self, json: &Json) -> Result<Json, String> {
-        let (value, symbol) = match json {
+    /// A number with a unit or a formula as a number of this port's unit; a number without a unit is taken to be in it.
+    fn evaluate(&self, json: &Json, names: Names) -> Result<Json, String> {
+        let quantity = match json {
             Json::String(text) => {
-                let text = text.trim();
-                let split = text.rfind(|c: char| c.is_ascii_digit() || c == '.').map_or(0, |i| i + 1);
-                let (number, symbol) = text.split_at(split);
-                let number: f64 =
-                    number.trim().parse().map_err(|_| format!("expected a number, found the text \"{text}\""))?;
-                (number, symbol.trim().to_owned())
+                let found = Expression::parse(text).and_then(|formula| formula.evaluate(names));
+                found.map_err(|e| format!("\"{}\", {e}", shortened(text)))?
             }
             Json::Object(o) => match (o.get("value").and_then(Json::as_f64), o.get("unit").and_then(Json::as_str)) {
-                (Some(v), Some(u)) if o.len() == 2 => (v, u.to_owned()),
+                (Some(value), Some("")) if o.len() == 2 => Quantity::plain(value),
+                (Some(value), Some(sign)) if o.len() == 2 => {
+                    let unit = Quantity::unit(sign).ok_or_else(|| match self.unit.symbol() {
+                        "" => format!("\"{sign}\" is no unit that is known here"),
+                        own => format!("\"{sign}\" cannot be turned into {own}"),
+                    })?;
+                    Quantity { value: value * unit.value, ..unit }
+                }
                 _ => return Err("expected a number or {\"value\": number, \"unit\": unit}".into()),
             },
             other => return Ok(other.clone()),
         };
-        if symbol.is_empty() {
-            return Ok(Json::from(value));
+        let (found, wanted) = (quantity.dimension, self.unit.dimension());
+        if !found.is_plain() && found != wanted {
+            return Err(format!("{json} is in {found}, but {} takes {wanted}", self.name));
         }
-        let Some(factor) = self.unit.factor(&symbol) else {
-            return Err(match self.unit.symbol() {
-                "" => format!("\"{symbol}\" given, but {} has no unit", self.name),
-                unit => format!("\"{symbol}\" cannot be turned into {unit}"),
-            });
-        };
-        Ok(Json::from(value * factor))
+        Ok(Json::from(quantity.value))
     }
 
     /// True if [`Port::check`] can find anything at all.
@@ -424,6 +433,14 @@ impl Port {
         Fail::new("out-of-range", format!("{v}{space}{unit} is outside {min} to {max}{space}{unit}"))
             .port(self.name.to_string())
             .hint(format!("the nearest that works is {}", v.clamp(min, max)))
+    }
+}
+
+/// A text as one quotes it: its start, if it is long.
+fn shortened(text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(80) {
+        Some((end, _)) => format!("{} ...", &text[..end]).into(),
+        None => text.into(),
     }
 }
 

@@ -5,6 +5,7 @@ mod blocking;
 mod cache;
 mod cancel;
 mod common;
+mod expressions;
 mod file;
 mod lanes;
 mod laws;

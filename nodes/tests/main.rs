@@ -3,6 +3,7 @@
 mod bad_input;
 mod chain;
 mod common;
+mod expression;
 mod graphs;
 mod order;
 mod registry;

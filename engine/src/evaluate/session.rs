@@ -234,7 +234,8 @@ impl Session {
             let tree = if value.is_null() {
                 None
             } else {
-                let tree = port.literal(&value).map_err(|fail| fail.at(Severity::Error, id))?;
+                let tree =
+                    self.plan.literal(&self.document, n, p, &value).map_err(|fail| fail.at(Severity::Error, id))?;
                 if let Some(input) = self.document.inputs.get(name) {
                     check_range(name, input, &tree)?;
                 }
@@ -244,6 +245,7 @@ impl Session {
         }
         for (n, p, port, tree) in trees {
             self.plan.set_literal(n, p, tree);
+            self.plan.note_formula(n, p, &value);
             if let Some(node) = self.document.node_mut(&self.plan.ids[n]) {
                 if value.is_null() {
                     node.params.remove(&port);
@@ -254,6 +256,9 @@ impl Session {
                 }
             }
             self.mark_dirty(n as u32);
+        }
+        for n in self.plan.renew_formulas(&self.document, &places) {
+            self.mark_dirty(n);
         }
         Ok(())
     }

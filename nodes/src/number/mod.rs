@@ -1,5 +1,6 @@
-//! Numbers: remap, random, statistics.
+//! Numbers: expression, remap, random, statistics.
 
+mod expression;
 mod random;
 mod remap;
 mod statistics;
@@ -8,5 +9,5 @@ use tenon_engine::NodeType;
 
 /// Every node of this folder.
 pub(crate) fn nodes() -> Vec<NodeType> {
-    vec![remap::node(), random::node(), statistics::node()]
+    vec![expression::node(), remap::node(), random::node(), statistics::node()]
 }
