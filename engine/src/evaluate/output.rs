@@ -187,11 +187,9 @@ pub(crate) fn join(
                     let base = place(lane + i);
                     match tree {
                         None => out.push((base, gaps(port, 1))),
-                        Some(tree) => out.extend(
-                            tree.branches()
-                                .iter()
-                                .map(|(p, c)| (Path(base.0.iter().chain(&p.0).copied().collect()), c.clone())),
-                        ),
+                        Some(tree) => {
+                            out.extend(tree.branches().iter().map(|(p, c)| (base.below(p.steps()), c.clone())))
+                        }
                     }
                 }
             }

@@ -8,7 +8,14 @@ use std::sync::Arc;
 
 /// Items of one type with optional gaps. Clones share the data.
 #[derive(Clone)]
-pub struct Column(Arc<dyn ColumnData>);
+pub struct Column(Data);
+
+/// One number, which is what most columns of parameters are, takes no memory beside the column.
+#[derive(Clone)]
+enum Data {
+    Number(f64),
+    Shared(Arc<dyn ColumnData>),
+}
 
 struct Typed<T> {
     items: Box<[T]>,
@@ -160,13 +167,60 @@ impl<T: Item> ColumnData for Single<T> {
     }
 }
 
+/// A number is a column of one.
+impl ColumnData for f64 {
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+
+    fn item_type(&self) -> TypeId {
+        TypeId::of::<f64>()
+    }
+
+    fn type_name(&self) -> &'static str {
+        f64::TYPE
+    }
+
+    fn len(&self) -> usize {
+        1
+    }
+
+    fn valid(&self) -> Option<&[bool]> {
+        None
+    }
+
+    fn digest(&self) -> u128 {
+        digest(std::slice::from_ref(self), None)
+    }
+
+    fn bytes(&self) -> usize {
+        0
+    }
+
+    fn item_json(&self, _: usize) -> Json {
+        self.to_json()
+    }
+
+    fn item_summary(&self, _: usize) -> String {
+        self.summary()
+    }
+
+    fn pick(&self, order: &[Option<usize>]) -> Column {
+        Column::with_gaps::<f64>(order.iter().map(|i| i.filter(|i| *i == 0).map(|_| *self)).collect())
+    }
+
+    fn concat(&self, all: &[Column]) -> Option<Column> {
+        concat::<f64>(all)
+    }
+}
+
 /// Columns of one type one after another; `None` if one is of another type.
 fn concat<T: Item>(all: &[Column]) -> Option<Column> {
     let total = all.iter().map(Column::len).sum();
     let (mut items, mut valid, mut gaps) = (Vec::with_capacity(total), Vec::with_capacity(total), false);
     for column in all {
         items.extend_from_slice(column.slice::<T>()?);
-        match column.0.valid() {
+        match column.data().valid() {
             Some(v) => {
                 gaps = true;
                 valid.extend_from_slice(v);
@@ -178,6 +232,13 @@ fn concat<T: Item>(all: &[Column]) -> Option<Column> {
 }
 
 impl Column {
+    fn data(&self) -> &dyn ColumnData {
+        match &self.0 {
+            Data::Number(v) => v,
+            Data::Shared(data) => &**data,
+        }
+    }
+
     /// A column without gaps. O(n): the digest is made here.
     #[must_use]
     pub fn new<T: Item>(items: Vec<T>) -> Self {
@@ -187,9 +248,12 @@ impl Column {
     /// A column of one item: what [`Column::new`] makes of a list of one, without the list.
     #[must_use]
     pub fn single<T: Item>(item: T) -> Self {
+        if let Some(v) = (&item as &dyn Any).downcast_ref::<f64>() {
+            return Self(Data::Number(*v));
+        }
         let digest = digest(std::slice::from_ref(&item), None);
         let bytes = size_of::<Single<T>>() + item.heap_bytes();
-        Self(Arc::new(Single { digest, bytes, item }))
+        Self(Data::Shared(Arc::new(Single { digest, bytes, item })))
     }
 
     /// A column in which `None` is a gap. O(n).
@@ -213,13 +277,13 @@ impl Column {
             + size_of_val(items.as_slice())
             + items.iter().map(Item::heap_bytes).sum::<usize>()
             + valid.as_ref().map_or(0, |v| v.len());
-        Self(Arc::new(Typed { items: items.into_boxed_slice(), valid, digest, bytes }))
+        Self(Data::Shared(Arc::new(Typed { items: items.into_boxed_slice(), valid, digest, bytes })))
     }
 
     /// Items and gaps together.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.data().len()
     }
 
     /// True if there is no item and no gap.
@@ -231,17 +295,20 @@ impl Column {
     /// Name of the item type.
     #[must_use]
     pub fn type_name(&self) -> &'static str {
-        self.0.type_name()
+        self.data().type_name()
     }
 
     pub(crate) fn item_type(&self) -> TypeId {
-        self.0.item_type()
+        self.data().item_type()
     }
 
     /// All items as a slice, if they are of type `T`; gaps hold `T::default()`, ask [`Column::is_valid`].
     #[must_use]
     pub fn slice<T: Item>(&self) -> Option<&[T]> {
-        let any = self.0.as_any();
+        let any = match &self.0 {
+            Data::Number(v) => return (v as &dyn Any).downcast_ref::<T>().map(std::slice::from_ref),
+            Data::Shared(data) => data.as_any(),
+        };
         match any.downcast_ref::<Single<T>>() {
             Some(single) => Some(std::slice::from_ref(&single.item)),
             None => any.downcast_ref::<Typed<T>>().map(|typed| &*typed.items),
@@ -251,7 +318,10 @@ impl Column {
     /// Item `i`; `None` for a gap, past the end, or if the items are not of type `T`.
     #[must_use]
     pub fn get<T: Item>(&self, i: usize) -> Option<&T> {
-        let any = self.0.as_any();
+        let any = match &self.0 {
+            Data::Number(v) => return (v as &dyn Any).downcast_ref::<T>().filter(|_| i == 0),
+            Data::Shared(data) => data.as_any(),
+        };
         if let Some(single) = any.downcast_ref::<Single<T>>() {
             return (i == 0).then_some(&single.item);
         }
@@ -265,7 +335,7 @@ impl Column {
     /// True if item `i` is there and not a gap.
     #[must_use]
     pub fn is_valid(&self, i: usize) -> bool {
-        match self.0.valid() {
+        match self.data().valid() {
             Some(valid) => valid.get(i).copied().unwrap_or(false),
             None => i < self.len(),
         }
@@ -274,37 +344,39 @@ impl Column {
     /// True if at least one item is a gap.
     #[must_use]
     pub fn has_gaps(&self) -> bool {
-        self.0.valid().is_some()
+        self.data().valid().is_some()
     }
 
     /// Digest of type, items and gaps.
     #[must_use]
     pub fn digest(&self) -> u128 {
-        self.0.digest()
+        self.data().digest()
     }
 
     /// Memory in bytes, the items' own heap included.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.0.bytes()
+        self.data().bytes()
     }
 
     /// A list of the items' JSON, `null` at gaps.
     #[must_use]
     pub fn to_json(&self) -> Json {
-        Json::Array((0..self.len()).map(|i| if self.is_valid(i) { self.0.item_json(i) } else { Json::Null }).collect())
+        Json::Array(
+            (0..self.len()).map(|i| if self.is_valid(i) { self.data().item_json(i) } else { Json::Null }).collect(),
+        )
     }
 
     /// One line about item `i` for people; empty for a gap.
     #[must_use]
     pub fn summary(&self, i: usize) -> String {
-        if self.is_valid(i) { self.0.item_summary(i) } else { String::new() }
+        if self.is_valid(i) { self.data().item_summary(i) } else { String::new() }
     }
 
     /// A column of the items at `order`; `None` and gaps give gaps. Works for any item type. O(n).
     #[must_use]
     pub fn pick(&self, order: &[Option<usize>]) -> Self {
-        self.0.pick(order)
+        self.data().pick(order)
     }
 
     /// All columns one after another; `None` if there is none or their types differ. O(n).
@@ -312,7 +384,7 @@ impl Column {
     pub fn concat(all: &[Self]) -> Option<Self> {
         match all {
             [one] => Some(one.clone()),
-            [first, ..] => first.0.concat(all),
+            [first, ..] => first.data().concat(all),
             [] => None,
         }
     }

@@ -5,31 +5,74 @@ use super::digest::Digester;
 use super::item::{Item, Json};
 use std::sync::Arc;
 
-/// Where a branch hangs, `{0;1}`.
-#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Path(pub Vec<i32>);
+/// Where a branch hangs, `{0;1}`. Nearly every path is `{0}`, which takes no memory of its own.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Path(Option<Arc<Vec<i32>>>);
 
 impl Path {
+    /// The path of these steps.
+    #[must_use]
+    pub fn new(steps: Vec<i32>) -> Self {
+        Self((steps != [0]).then(|| Arc::new(steps)))
+    }
+
     /// The path `{0}` of a tree with one branch.
     #[must_use]
     pub fn root() -> Self {
-        Self(vec![0])
+        Self(None)
+    }
+
+    /// The steps from the root.
+    #[must_use]
+    pub fn steps(&self) -> &[i32] {
+        self.0.as_ref().map_or(&[0], |steps| steps)
     }
 
     /// This path with one more step.
     #[must_use]
     pub fn child(&self, step: usize) -> Self {
-        let mut steps = Vec::with_capacity(self.0.len() + 1);
-        steps.extend_from_slice(&self.0);
-        steps.push(i32::try_from(step).unwrap_or(i32::MAX));
-        Self(steps)
+        self.below(&[i32::try_from(step).unwrap_or(i32::MAX)])
+    }
+
+    /// This path with more steps.
+    #[must_use]
+    pub fn below(&self, more: &[i32]) -> Self {
+        Self::new([self.steps(), more].concat())
+    }
+
+    fn heap_bytes(&self) -> usize {
+        self.0.as_ref().map_or(0, |steps| size_of::<Vec<i32>>() + size_of_val(steps.as_slice()))
+    }
+}
+
+impl PartialOrd for Path {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Path {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.steps().cmp(other.steps())
+    }
+}
+
+impl std::hash::Hash for Path {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        self.steps().hash(state);
+    }
+}
+
+impl std::fmt::Debug for Path {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{self}")
     }
 }
 
 impl std::fmt::Display for Path {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str("{")?;
-        for (i, step) in self.0.iter().enumerate() {
+        for (i, step) in self.steps().iter().enumerate() {
             write!(f, "{}{step}", if i > 0 { ";" } else { "" })?;
         }
         f.write_str("}")
@@ -39,8 +82,37 @@ impl std::fmt::Display for Path {
 /// Branches of items. Immutable; clones share the data.
 #[derive(Clone)]
 pub struct Tree {
-    branches: Arc<[(Path, Column)]>,
-    digest: u128,
+    branches: Branches,
+    /// Two halves, since a `u128` would be padded.
+    digest: [u64; 2],
+}
+
+/// Most trees have one branch, and then need no list of branches.
+#[derive(Clone)]
+enum Branches {
+    One((Path, Column)),
+    Many(Arc<[(Path, Column)]>),
+}
+
+/// Turns the digest of a column into that of the tree which has it at `{0}` and nothing else.
+const ALONE: u128 = 0x6a09_e667_f3bc_c908_bb67_ae85_84ca_a73b;
+
+fn halves(digest: u128) -> [u64; 2] {
+    [(digest >> 64) as u64, digest as u64]
+}
+
+/// Digest of paths and columns.
+fn digest(branches: &[(Path, Column)]) -> u128 {
+    let mut d = Digester::new();
+    d.u32(branches.len() as u32);
+    for (path, column) in branches {
+        d.u32(path.steps().len() as u32);
+        for step in path.steps() {
+            d.u32(*step as u32);
+        }
+        d.u128(column.digest());
+    }
+    d.finish()
 }
 
 impl Tree {
@@ -63,7 +135,9 @@ impl Tree {
     }
 
     pub(crate) fn branch(path: Path, column: Column) -> Self {
-        Self::sorted(Arc::new([(path, column)]))
+        // The column's digest, told apart from those of trees with several branches or another path.
+        let digest = if path.0.is_none() { column.digest() ^ ALONE } else { digest(&[(path.clone(), column.clone())]) };
+        Self { branches: Branches::One((path, column)), digest: halves(digest) }
     }
 
     /// Branches in any order; branches of the same path are joined in the order given (if their types differ, the first stays).
@@ -86,76 +160,76 @@ impl Tree {
                 })
                 .collect();
         }
-        Self::sorted(branches.into())
+        Self::sorted(branches)
     }
 
-    fn sorted(branches: Arc<[(Path, Column)]>) -> Self {
-        let mut d = Digester::new();
-        d.u32(branches.len() as u32);
-        for (path, column) in branches.iter() {
-            d.u32(path.0.len() as u32);
-            for step in &path.0 {
-                d.u32(*step as u32);
-            }
-            d.u128(column.digest());
+    fn sorted(mut branches: Vec<(Path, Column)>) -> Self {
+        if branches.len() == 1
+            && let Some((path, column)) = branches.pop()
+        {
+            return Self::branch(path, column);
         }
-        Self { branches, digest: d.finish() }
+        let digest = halves(digest(&branches));
+        Self { branches: Branches::Many(branches.into()), digest }
     }
 
     /// The branches, sorted by path.
     #[must_use]
     pub fn branches(&self) -> &[(Path, Column)] {
-        &self.branches
+        match &self.branches {
+            Branches::One(one) => std::slice::from_ref(one),
+            Branches::Many(many) => many,
+        }
     }
 
     /// The first item of the first branch, if it is a `T` and not a gap.
     #[must_use]
     pub fn first<T: Item>(&self) -> Option<&T> {
-        self.branches.iter().find(|(_, c)| !c.is_empty()).and_then(|(_, c)| c.get(0))
+        self.branches().iter().find(|(_, c)| !c.is_empty()).and_then(|(_, c)| c.get(0))
     }
 
     /// Number of items in all branches, gaps included.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.branches.iter().map(|(_, c)| c.len()).sum()
+        self.branches().iter().map(|(_, c)| c.len()).sum()
     }
 
     /// True if no branch has an item.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.branches.iter().all(|(_, c)| c.is_empty())
+        self.branches().iter().all(|(_, c)| c.is_empty())
     }
 
     /// Digest of paths and columns.
     #[must_use]
     pub fn digest(&self) -> u128 {
-        self.digest
+        u128::from(self.digest[0]) << 64 | u128::from(self.digest[1])
     }
 
     /// Memory in bytes; data that several trees share counts in each.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.branches.iter().map(|(p, c)| size_of::<(Path, Column)>() + p.0.len() * 4 + c.bytes()).sum()
+        self.branches().iter().map(|(p, c)| size_of::<(Path, Column)>() + p.heap_bytes() + c.bytes()).sum()
     }
 
     /// Name of the item type; of the first branch, or `"nothing"`.
     #[must_use]
     pub fn type_name(&self) -> &'static str {
-        self.branches.first().map_or("nothing", |(_, c)| c.type_name())
+        self.branches().first().map_or("nothing", |(_, c)| c.type_name())
     }
 
     /// `{"type": name, "branches": {"{0}": [items, null at gaps]}}`.
     #[must_use]
     pub fn to_json(&self) -> Json {
         let branches: serde_json::Map<String, Json> =
-            self.branches.iter().map(|(p, c)| (p.to_string(), c.to_json())).collect();
+            self.branches().iter().map(|(p, c)| (p.to_string(), c.to_json())).collect();
         serde_json::json!({ "type": self.type_name(), "branches": branches })
     }
 
     /// One line for people.
     #[must_use]
     pub fn summary(&self) -> String {
-        match &*self.branches {
+        match self.branches() {
             [(_, one)] if one.len() == 1 => format!("{}: {}", self.type_name(), one.summary(0)),
             [(_, one)] => format!("{} × {}", one.len(), self.type_name()),
             many => format!("{} × {} in {} branches", self.len(), self.type_name(), many.len()),
@@ -166,38 +240,40 @@ impl Tree {
     #[must_use]
     pub fn graft(&self) -> Self {
         let mut out = Vec::with_capacity(self.len());
-        for (path, column) in self.branches.iter() {
+        for (path, column) in self.branches().iter() {
             for i in 0..column.len() {
                 out.push((path.child(i), column.pick(&[Some(i)])));
             }
         }
-        Self::sorted(out.into())
+        Self::sorted(out)
     }
 
     /// All items in one branch, in path order; unchanged if the branches' types differ.
     #[must_use]
     pub fn flatten(&self) -> Self {
-        let columns: Vec<Column> = self.branches.iter().map(|(_, c)| c.clone()).collect();
+        let columns: Vec<Column> = self.branches().iter().map(|(_, c)| c.clone()).collect();
         Column::concat(&columns).map_or_else(|| self.clone(), Self::column)
     }
 
     /// Paths without the steps that all of them begin with; at least one step stays.
     #[must_use]
     pub fn simplify(&self) -> Self {
-        let Some((first, _)) = self.branches.first() else { return self.clone() };
-        let shortest = self.branches.iter().map(|(p, _)| p.0.len()).min().unwrap_or(0);
+        let Some((first, _)) = self.branches().first() else { return self.clone() };
+        let shortest = self.branches().iter().map(|(p, _)| p.steps().len()).min().unwrap_or(0);
         let mut shared = 0;
-        while shared + 1 < shortest && self.branches.iter().all(|(p, _)| p.0[shared] == first.0[shared]) {
+        while shared + 1 < shortest && self.branches().iter().all(|(p, _)| p.steps()[shared] == first.steps()[shared]) {
             shared += 1;
         }
-        Self::sorted(self.branches.iter().map(|(p, c)| (Path(p.0[shared..].to_vec()), c.clone())).collect())
+        Self::sorted(
+            self.branches().iter().map(|(p, c)| (Path::new(p.steps()[shared..].to_vec()), c.clone())).collect(),
+        )
     }
 
     /// The items of each branch in reverse order.
     #[must_use]
     pub fn reverse(&self) -> Self {
         Self::sorted(
-            self.branches
+            self.branches()
                 .iter()
                 .map(|(p, c)| (p.clone(), c.pick(&(0..c.len()).rev().map(Some).collect::<Vec<_>>())))
                 .collect(),
@@ -243,7 +319,7 @@ mod tests {
 
     #[test]
     fn branches_are_sorted_and_equal_paths_join() {
-        let b = |p: &[i32], v: f64| (Path(p.to_vec()), Column::new(vec![v]));
+        let b = |p: &[i32], v: f64| (Path::new(p.to_vec()), Column::new(vec![v]));
         let t = Tree::from_branches(vec![b(&[1], 1.0), b(&[0, 2], 2.0), b(&[1], 3.0)]);
         assert_eq!(shape(&t), json!({"{0;2}": [2.0], "{1}": [1.0, 3.0]}));
     }

@@ -96,7 +96,7 @@ pub(super) fn node() -> NodeType {
             c.set_list("kinds", kinds);
             let across = |f: usize| {
                 let faces = ordered.adjacency.neighbours(f as u32).map(|n| n.map(i64::from)).collect();
-                (Path(vec![f as i32]), Column::with_gaps::<i64>(faces))
+                (Path::new(vec![f as i32]), Column::with_gaps::<i64>(faces))
             };
             c.set_tree("neighbours", Tree::from_branches((0..ordered.mesh.face_count()).map(across).collect()));
             c.set("order", Text::from(order));

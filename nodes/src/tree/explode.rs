@@ -16,7 +16,7 @@ fn node(id: &'static str, name: &'static str, doc: &'static str) -> NodeType {
 
 /// A branch per element.
 fn branches<T: Item>(count: usize, items: impl Fn(usize) -> Vec<Option<T>>) -> Tree {
-    let branch = |i: usize| (Path(vec![i32::try_from(i).unwrap_or(i32::MAX)]), Column::with_gaps(items(i)));
+    let branch = |i: usize| (Path::new(vec![i32::try_from(i).unwrap_or(i32::MAX)]), Column::with_gaps(items(i)));
     Tree::from_branches((0..count).map(branch).collect())
 }
 

@@ -95,7 +95,7 @@ fn entwined(c: &Call, input: &str, base: Path, flatten: bool, out: &mut Vec<(Pat
         let flat = flat(tree).map_err(|fail| fail.port(input.to_owned()))?;
         out.extend(flat.branches().iter().map(|(_, column)| (base.clone(), column.clone())));
     } else {
-        let below = |path: &Path| Path(base.0.iter().chain(&path.0).copied().collect());
+        let below = |path: &Path| base.below(path.steps());
         out.extend(tree.branches().iter().map(|(path, column)| (below(path), column.clone())));
     }
     Ok(())
