@@ -7,6 +7,7 @@ mod document;
 mod evaluate;
 mod expect;
 mod expression;
+mod live;
 mod numeric;
 mod plan;
 mod port;
@@ -25,6 +26,7 @@ pub use evaluate::report::{Control, Event, Happened, NodeReport, Progress, Repor
 pub use evaluate::session::{Host, NoHost, Options, Session};
 pub use expect::{Expectations, Outcome, Tolerance};
 pub use expression::{Dimension, Expression, ExpressionError, ExpressionFault, Quantity};
+pub use live::{Live, Snapshot};
 pub use numeric::{Random, Statistics};
 pub use port::{Access, Port, Unit};
 pub use registry::{Conversion, NodeType, Registry, RegistryError};

@@ -134,7 +134,7 @@ fn interface() -> Json {
 
 /// What all nodes have; with a registry, what follows from the type as well.
 fn node(registry: Option<&Registry>) -> Json {
-    let states = [NodeState::On, NodeState::Frozen, NodeState::Disabled].map(NodeState::as_str);
+    let states = NodeState::ALL.map(NodeState::as_str);
     let mut node = json!({
         "type": "object",
         "required": ["type"],

@@ -392,7 +392,7 @@ impl<'a> Loader<'a> {
         }
         let matching = self.matching(&mut map, &what);
         let state_at = map.get("state").map_or(raw.get(), |r| r.get());
-        let states = [NodeState::On, NodeState::Frozen, NodeState::Disabled].map(|s| (s.as_str(), s));
+        let states = NodeState::ALL.map(|s| (s.as_str(), s));
         let state = self.text(&mut map, "state", &what);
         let state = state.and_then(|s| self.one_of(state_at, &s, "node state", &states)).unwrap_or_default();
         let note = self.text(&mut map, "note", &what);

@@ -68,9 +68,14 @@ pub enum NodeState {
     Frozen,
     /// It gives nothing; what depends on it is blocked.
     Disabled,
+    /// It does not run: each output, in order, passes on the first input of its own type that comes in by wire and that
+    /// no output before it has passed. An output for which there is none gives nothing, and blocks what depends on it.
+    Bypassed,
 }
 
 impl NodeState {
+    pub(crate) const ALL: [Self; 4] = [Self::On, Self::Frozen, Self::Disabled, Self::Bypassed];
+
     /// Its name in the file.
     #[must_use]
     pub fn as_str(self) -> &'static str {
@@ -78,6 +83,7 @@ impl NodeState {
             Self::On => "on",
             Self::Frozen => "frozen",
             Self::Disabled => "disabled",
+            Self::Bypassed => "bypassed",
         }
     }
 }
@@ -135,7 +141,7 @@ pub struct Node {
     pub inputs: Fields<Wires>,
     /// How lists of different lengths meet.
     pub matching: Option<Matching>,
-    /// On, frozen or disabled.
+    /// Whether it runs, and what it gives if not.
     pub state: NodeState,
     /// A remark for people.
     pub note: Option<String>,

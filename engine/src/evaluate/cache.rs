@@ -19,6 +19,8 @@ pub(crate) struct Entry {
     /// Nanoseconds per byte to compute it again.
     worth: f32,
     score: f32,
+    /// The evaluation that made it or used it last.
+    round: u32,
 }
 
 /// Keys are digests already.
@@ -46,15 +48,22 @@ pub(crate) struct Memo {
     entries: HashMap<u128, Entry, BuildHasherDefault<AsItIs>>,
     pub bytes: usize,
     age: f32,
+    round: u32,
 }
 
 /// What an entry costs beside its values.
 const OVERHEAD: usize = 96;
 
 impl Memo {
+    /// Begins an evaluation.
+    pub fn begin(&mut self) {
+        self.round = self.round.wrapping_add(1);
+    }
+
     pub fn get(&mut self, key: u128) -> Option<&Entry> {
         let entry = self.entries.get_mut(&key)?;
         entry.score = self.age + entry.worth;
+        entry.round = self.round;
         Some(entry)
     }
 
@@ -65,7 +74,7 @@ impl Memo {
     pub fn put(&mut self, key: u128, outputs: Box<[Tree]>, reports: Reports, failed: bool, nanoseconds: u64) {
         let bytes = OVERHEAD + outputs.iter().map(Tree::bytes).sum::<usize>();
         let worth = nanoseconds as f32 / bytes as f32;
-        let entry = Entry { outputs, reports, failed, bytes, worth, score: self.age + worth };
+        let entry = Entry { outputs, reports, failed, bytes, worth, score: self.age + worth, round: self.round };
         self.bytes += bytes;
         if let Some(old) = self.entries.insert(key, entry) {
             self.bytes -= old.bytes;
@@ -74,10 +83,23 @@ impl Memo {
 
     /// Brings the memo below `budget`; true if something was dropped. O(n log n), but a tenth is freed at once.
     pub fn shrink(&mut self, budget: usize) -> bool {
+        self.shrink_those(budget, |_| true)
+    }
+
+    /// Brings the memo below `budget` as far as that goes without what the evaluation under way has made or used: after it
+    /// was cancelled, the next one goes on from there. So the memo never has more than the budget and one evaluation's
+    /// results. As [`Memo::shrink`].
+    pub fn shrink_older(&mut self, budget: usize) -> bool {
+        let now = self.round;
+        self.shrink_those(budget, |e| e.round != now)
+    }
+
+    fn shrink_those(&mut self, budget: usize, may_go: impl Fn(&Entry) -> bool) -> bool {
         if self.bytes <= budget {
             return false;
         }
-        let mut order: Vec<(f32, u128)> = self.entries.iter().map(|(k, e)| (e.score, *k)).collect();
+        let entries = self.entries.iter().filter(|(_, e)| may_go(e));
+        let mut order: Vec<(f32, u128)> = entries.map(|(k, e)| (e.score, *k)).collect();
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let goal = budget - budget / 10;
         for (score, key) in order {

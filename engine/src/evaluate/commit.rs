@@ -58,6 +58,16 @@ impl Session {
         self.note(n, if outcome.failed { Happened::Failed } else { Happened::Executed }, time, e);
     }
 
+    /// Remembers what was finished when the evaluation was cancelled, though nothing of it is put in place. What cheap nodes
+    /// made is taken along as well: that it was cheap would have to be found out.
+    pub(super) fn keep(&mut self, key: u128, outcome: Outcome, time: Duration) {
+        if !outcome.cancelled && !outcome.panicked {
+            let reports: super::cache::Reports = (!outcome.reports.is_empty()).then(|| outcome.reports.into());
+            let outputs = outcome.outputs.into_boxed_slice();
+            self.memo.put(key, outputs, reports, outcome.failed, time.as_nanos() as u64);
+        }
+    }
+
     /// Small results of a node that costs less than remembering them; of those in place.
     fn is_cheap(&self, i: usize) -> bool {
         let bytes = || self.outputs(i).iter().flatten().map(Tree::bytes).sum::<usize>();
@@ -65,7 +75,18 @@ impl Session {
     }
 
     /// Puts a node's new result in place and wakes its successors if it is another than before.
-    pub(super) fn publish(&mut self, n: u32, mut run: NodeRun, outputs: &[Tree], e: &mut Evaluation) -> bool {
+    pub(super) fn publish(&mut self, n: u32, run: NodeRun, outputs: &[Tree], e: &mut Evaluation) -> bool {
+        self.publish_each(n, run, |o| outputs.get(o).cloned(), e)
+    }
+
+    /// As [`Session::publish`], with nothing at some outputs.
+    pub(super) fn publish_each(
+        &mut self,
+        n: u32,
+        mut run: NodeRun,
+        output: impl Fn(usize) -> Option<Tree>,
+        e: &mut Evaluation,
+    ) -> bool {
         let i = n as usize;
         let (from, count) = (self.plan.nodes[i].outputs as usize, self.plan.nodes[i].output_count as usize);
         let old = &self.nodes[i];
@@ -73,10 +94,8 @@ impl Session {
         run.present = run.status == Status::Good;
         let mut changed =
             old.status != run.status || (run.status == Status::Blocked && old.blocked_by != run.blocked_by);
-        // A frozen node brought over from another document has not been seen by anybody.
-        changed |= self.plan.nodes[i].state == NodeState::Frozen && old.dirty;
         for o in 0..count {
-            let tree = outputs.get(o).cloned();
+            let tree = output(o);
             let digest = tree.as_ref().map_or(0, Tree::digest);
             changed |= digest != self.digests[from + o];
             let old = std::mem::replace(&mut self.values[from + o], tree);
@@ -196,10 +215,14 @@ impl Session {
             }
             if run.status == Status::Blocked && run.blocked_by != n {
                 let by = run.blocked_by as usize;
-                let off = self.plan.nodes[by].state == NodeState::Disabled;
-                let message =
-                    format!("blocked by {}{}", self.plan.ids[by], if off { ", which is disabled" } else { "" });
-                let severity = if off { Severity::Warning } else { Severity::Note };
+                let (why, severity) = match self.plan.nodes[by].state {
+                    NodeState::Disabled => (", which is disabled", Severity::Warning),
+                    NodeState::Bypassed if self.nodes[by].status == Status::Good => {
+                        (", which is bypassed and has no wire of that type to pass on", Severity::Warning)
+                    }
+                    _ => ("", Severity::Note),
+                };
+                let message = format!("blocked by {}{why}", self.plan.ids[by]);
                 diagnostics.push(Diagnostic::error("blocked", message).with_severity(severity).at(&**id));
             }
         }

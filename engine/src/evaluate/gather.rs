@@ -105,6 +105,29 @@ pub(crate) fn tree<'a>(
     Ok(Some(tree))
 }
 
+/// What a bypassed node gives at each output: the first input of the same type that comes in by wire and was not passed
+/// before. O(inputs × outputs).
+pub(crate) fn passed(
+    plan: &Plan,
+    registry: &Registry,
+    n: usize,
+    values: &Values,
+    reports: &mut Vec<(Severity, Fail)>,
+) -> Result<Vec<Option<Tree>>, Fail> {
+    let Some(t) = plan.node_type(n) else { return Ok(Vec::new()) };
+    let wired = |p: &usize| matches!(plan.slot(n, *p), Slot::Wires { .. });
+    let mut free: Vec<usize> = (0..t.inputs.len()).filter(wired).collect();
+    let mut outputs = Vec::with_capacity(t.outputs.len());
+    for output in &t.outputs {
+        let same = |p: &usize| t.inputs[*p].item_type.id == output.item_type.id;
+        outputs.push(match free.iter().position(same) {
+            Some(at) => tree(plan, registry, n, free.remove(at), values, reports)?.map(Cow::into_owned),
+            None => None,
+        });
+    }
+    Ok(outputs)
+}
+
 /// Items become what the port takes.
 fn convert<'a>(
     tree: &'a Tree,

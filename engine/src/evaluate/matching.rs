@@ -402,6 +402,10 @@ fn run_lanes(
     };
     let share = 1.0 / lanes.count.max(1) as f64;
     for lane in from..to {
+        if call.monitor.cancelled() {
+            cancelled = true;
+            break;
+        }
         if gaps.iter().any(|(column, rule)| !column.is_valid(lanes.index(lane, rule))) {
             continue;
         }

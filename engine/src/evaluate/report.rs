@@ -41,6 +41,8 @@ pub enum Happened {
     Frozen,
     /// It is disabled.
     Disabled,
+    /// It passes its inputs on.
+    Bypassed,
 }
 
 impl Happened {
@@ -55,6 +57,7 @@ impl Happened {
             Self::Failed => "failed",
             Self::Frozen => "frozen",
             Self::Disabled => "disabled",
+            Self::Bypassed => "bypassed",
         }
     }
 }

@@ -33,9 +33,11 @@ struct Job {
 
 impl Session {
     /// Brings targets (interface outputs or `node.port`) up to date; without any, every interface output and every writer, or, if there are
-    /// none of either, every node. Runs only what they need and what has changed. A cancelled evaluation leaves the session as it was.
+    /// none of either, every node. Runs only what they need and what has changed. A cancelled evaluation leaves the session
+    /// as it was, but the nodes that it finished are remembered: the next one goes on from there.
     pub fn evaluate(&mut self, targets: &[&str], control: &Control<'_>) -> Report {
         let start = Instant::now();
+        self.memo.begin();
         let mut report = Report { diagnostics: self.plan.general.clone(), ..Report::default() };
         if self.asked.as_ref().is_none_or(|asked| *asked != targets) {
             let goals = self.find_goals(targets, &mut report.diagnostics);
@@ -62,6 +64,7 @@ impl Session {
         }
         if control.cancel.load(Ordering::Relaxed) {
             self.take_back(evaluation, dirty_before);
+            self.memo.shrink_older(self.options.cache_bytes);
             report.cancelled = true;
             report.elapsed = start.elapsed();
             return report;
@@ -196,6 +199,7 @@ impl Session {
             let (outcome, end) = self.run_job(job, false, cancel, meter);
             let time = end - std::mem::replace(&mut e.clock, end);
             if cancel.load(Ordering::Relaxed) {
+                self.keep(key, outcome, time);
                 return false;
             }
             meter.finish(self.weight(n as usize));
@@ -206,6 +210,9 @@ impl Session {
         let outcomes = self.run_jobs(jobs, cancel, meter);
         e.clock = Instant::now();
         if cancel.load(Ordering::Relaxed) {
+            for ((_, key), (outcome, time)) in order.into_iter().zip(outcomes) {
+                self.keep(key, outcome, time);
+            }
             return false;
         }
         for ((n, key), (outcome, time)) in order.into_iter().zip(outcomes) {
@@ -247,6 +254,10 @@ impl Session {
             self.events.push(Event::Blocked(id, self.plan.ids[by as usize].clone()));
             return None;
         }
+        if self.plan.nodes[i].state == NodeState::Bypassed {
+            self.pass_on(n, e);
+            return None;
+        }
         if self.plan.missing(i).next().is_some() {
             self.publish(n, NodeRun { status: Status::Failed, blocked_by: n, ..NodeRun::default() }, &[], e);
             self.note(n, Happened::Failed, Duration::ZERO, e);
@@ -285,18 +296,44 @@ impl Session {
         self.nodes[i].wanted
     }
 
-    pub(super) fn outputs(&self, i: usize) -> &[Option<Tree>] {
+    pub(crate) fn outputs(&self, i: usize) -> &[Option<Tree>] {
         let node = &self.plan.nodes[i];
         &self.values[node.outputs as usize..(node.outputs + node.output_count) as usize]
     }
 
     /// The node at the root of what keeps this one from running.
     fn blocked_by(&self, i: usize) -> Option<u32> {
-        self.plan.predecessors(i).find_map(|p| match self.nodes[p as usize].status {
-            Status::Failed | Status::Disabled => Some(p),
-            Status::Blocked => Some(self.nodes[p as usize].blocked_by),
-            Status::New | Status::Good => None,
+        self.plan.node_wires(i).find_map(|wire| {
+            let p = self.plan.output_node[wire as usize];
+            match self.nodes[p as usize].status {
+                Status::Failed | Status::Disabled => Some(p),
+                Status::Blocked => Some(self.nodes[p as usize].blocked_by),
+                // Of bypassed nodes some outputs give nothing.
+                Status::Good if self.digests[wire as usize] == 0 => Some(p),
+                Status::New | Status::Good => None,
+            }
         })
+    }
+
+    /// Puts what comes into a bypassed node at its outputs.
+    fn pass_on(&mut self, n: u32, e: &mut Evaluation) {
+        if self.fetch_missing(n) {
+            return;
+        }
+        let i = n as usize;
+        let mut reports = Vec::new();
+        let passed = gather::passed(&self.plan, &self.registry, i, &self.values, &mut reports);
+        let status = if passed.is_ok() { Status::Good } else { Status::Failed };
+        let happened = if passed.is_ok() { Happened::Bypassed } else { Happened::Failed };
+        let outputs = passed.unwrap_or_else(|fail| {
+            reports.push((Severity::Error, fail));
+            self.events.push(Event::Failed(self.plan.ids[i].clone()));
+            Vec::new()
+        });
+        let reports = (!reports.is_empty()).then(|| reports.into());
+        let run = NodeRun { reports, status, blocked_by: n, ..NodeRun::default() };
+        self.publish_each(n, run, |o| outputs.get(o).cloned().flatten(), e);
+        self.note(n, happened, Duration::ZERO, e);
     }
 
     /// Queues the sources whose values were dropped from memory, and the node behind them again; false if all are there.

@@ -104,11 +104,13 @@ pub struct Session {
     /// Mean nanoseconds per run by node type of the plan; 0: not known yet.
     pub(crate) costs: Vec<f64>,
     pub(crate) events: Vec<Event>,
+    /// Another number for every plan.
+    pub(crate) stamp: u64,
     pool: OnceLock<Option<rayon::ThreadPool>>,
 }
 
 /// Whether every number of a value lies in its interface input's range, whatever unit it was written in.
-fn check_range(name: &str, input: &InterfaceInput, tree: &Tree) -> Result<(), Diagnostic> {
+pub(crate) fn check_range(name: &str, input: &InterfaceInput, tree: &Tree) -> Result<(), Diagnostic> {
     let number = |c: &Column, i: usize| c.get::<f64>(i).copied().or_else(|| c.get::<i64>(i).map(|v| *v as f64));
     let mut numbers = tree.branches().iter().flat_map(|(_, c)| (0..c.len()).filter_map(move |i| number(c, i)));
     let outside = |v: &f64| input.min.is_some_and(|min| *v < min) || input.max.is_some_and(|max| *v > max);
@@ -117,6 +119,14 @@ fn check_range(name: &str, input: &InterfaceInput, tree: &Tree) -> Result<(), Di
     let end = |v: Option<f64>| v.map_or_else(|| "anything".to_owned(), |v| v.to_string());
     let message = format!("{name} = {v}{unit} is outside {} to {}{unit}", end(input.min), end(input.max));
     Err(Diagnostic::error("out-of-range", message))
+}
+
+/// Nothing is called `name` that a value could be given.
+pub(crate) fn no_input(document: &Document, name: &str) -> Diagnostic {
+    let hint = did_you_mean(name, document.inputs.keys().map(String::as_str));
+    let names: Vec<&str> = document.inputs.keys().map(String::as_str).collect();
+    let hint = hint.or_else(|| (!names.is_empty()).then(|| format!("there are {}", names.join(", "))));
+    Diagnostic::error("unknown-name", format!("the graph has no input \"{name}\"")).maybe_hint(hint)
 }
 
 impl Session {
@@ -145,6 +155,7 @@ impl Session {
             plan,
             memo: Memo::default(),
             events: Vec::new(),
+            stamp: 0,
             pool: OnceLock::new(),
         };
         session.reset();
@@ -152,6 +163,7 @@ impl Session {
     }
 
     fn reset(&mut self) {
+        self.stamp += 1;
         let count = self.plan.nodes.len();
         self.queue = Queue::new(self.plan.levels, count);
         self.nodes = vec![NodeRun { dirty: true, ..NodeRun::default() }; count];
@@ -191,7 +203,12 @@ impl Session {
             let Some(o) = old_plan.find(&self.plan.ids[n]) else { continue };
             let (new, old) = (&self.plan.nodes[n], &old_plan.nodes[o]);
             let same = self.plan.node_type(n).zip(old_plan.node_type(o)).is_some_and(|(a, b)| Arc::ptr_eq(a, b));
-            if new.state == NodeState::Frozen && same && old_nodes[o].present && old_nodes[o].status == Status::Good {
+            if new.state == NodeState::Frozen
+                && old.state != NodeState::Bypassed
+                && same
+                && old_nodes[o].present
+                && old_nodes[o].status == Status::Good
+            {
                 for i in 0..new.output_count as usize {
                     let value = old_values[old.outputs as usize + i].clone();
                     self.digests[new.outputs as usize + i] = value.as_ref().map_or(0, Tree::digest);
@@ -216,11 +233,7 @@ impl Session {
         } else if name.contains('.') {
             places.push(self.plan.find_input(name)?);
         } else {
-            let hint = did_you_mean(name, self.document.inputs.keys().map(String::as_str));
-            let names: Vec<&str> = self.document.inputs.keys().map(String::as_str).collect();
-            let hint = hint.or_else(|| (!names.is_empty()).then(|| format!("there are {}", names.join(", "))));
-            let message = format!("the graph has no input \"{name}\"");
-            return Err(Diagnostic::error("unknown-name", message).maybe_hint(hint));
+            return Err(no_input(&self.document, name));
         }
         let mut trees = Vec::with_capacity(places.len());
         for &(n, p) in &places {
@@ -284,9 +297,14 @@ impl Session {
         });
         match params.collect::<Option<Vec<_>>>() {
             Some(params) => {
+                let places: Vec<(usize, usize)> = params.iter().map(|(n, p, _)| (*n, *p)).collect();
                 for (n, p, tree) in params {
                     self.plan.set_literal(n, p, tree);
+                    self.plan.note_formula(n, p, &Json::Null);
                     self.mark_dirty(n as u32);
+                }
+                for n in self.plan.renew_formulas(&self.document, &places) {
+                    self.mark_dirty(n);
                 }
             }
             None => {

@@ -90,7 +90,7 @@ pub enum Operation {
         /// The rule, or none for the default.
         matching: Option<Matching>,
     },
-    /// On, frozen or disabled.
+    /// Whether a node runs, and what it gives if not: on, frozen, disabled, bypassed.
     SetState {
         /// The node.
         node: String,

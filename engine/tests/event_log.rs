@@ -1,0 +1,255 @@
+//! Every caching rule by the log of events: states, blocking, transactions, matching, files, eviction, cancelling. Cut-off,
+//! memo and demand stand in `cache.rs`.
+
+use crate::common::*;
+use serde_json::json;
+use std::sync::atomic::Ordering;
+use tenon_engine::*;
+
+fn chain() -> Json {
+    json!({
+        "a": {"type": "number", "params": {"value": 1}},
+        "b": {"type": "add", "params": {"b": 1}, "inputs": {"a": {"from": ["a.value"]}}},
+        "c": {"type": "floor", "inputs": {"a": {"from": ["b.sum"]}}},
+    })
+}
+
+fn evaluated(nodes: Json) -> Session {
+    let mut s = session(nodes);
+    evaluate(&mut s, &[]);
+    log(&mut s);
+    s
+}
+
+fn state(s: &mut Session, node: &str, state: NodeState) -> Operation {
+    s.edit(&Operation::SetState { node: node.into(), state }).expect("accepted")
+}
+
+#[test]
+fn a_frozen_node_keeps_its_output_and_nothing_behind_it_runs() {
+    let mut s = evaluated(chain());
+    state(&mut s, "b", NodeState::Frozen);
+    evaluate(&mut s, &[]);
+    assert_eq!(log(&mut s), "memo a, memo c");
+    s.set("a.value", json!(5)).expect("accepted");
+    let report = evaluate(&mut s, &[]);
+    assert_eq!((log(&mut s), items(&s, "c.value")), ("executed a".to_owned(), json!([2.0])));
+    assert_eq!(report.node("b").map(|n| n.happened), Some(Happened::Frozen));
+    state(&mut s, "b", NodeState::On);
+    evaluate(&mut s, &[]);
+    assert_eq!((log(&mut s), items(&s, "c.value")), ("memo a, executed b, executed c".to_owned(), json!([6.0])));
+}
+
+#[test]
+fn a_node_that_is_frozen_before_it_ever_ran_runs_once() {
+    let mut nodes = chain();
+    nodes["b"]["state"] = json!("frozen");
+    let mut s = session(nodes);
+    evaluate(&mut s, &[]);
+    assert_eq!(log(&mut s), "executed a, executed b, executed c");
+    s.set("a.value", json!(5)).expect("accepted");
+    evaluate(&mut s, &[]);
+    assert_eq!(log(&mut s), "executed a");
+}
+
+#[test]
+fn a_disabled_node_blocks_and_comes_back_from_the_memo() {
+    let mut s = evaluated(chain());
+    let back = state(&mut s, "b", NodeState::Disabled);
+    let report = evaluate(&mut s, &[]);
+    assert_eq!(log(&mut s), "memo a, blocked c by b");
+    assert_eq!(lines(&report), ["warning[blocked] c: blocked by b, which is disabled"]);
+    s.edit(&back).expect("accepted");
+    evaluate(&mut s, &[]);
+    assert_eq!((log(&mut s), items(&s, "c.value")), ("memo a, memo b, memo c".to_owned(), json!([2.0])));
+}
+
+#[test]
+fn a_bypassed_node_passes_on_what_comes_in_and_cuts_off_like_any_other() {
+    let mut s = evaluated(chain());
+    state(&mut s, "b", NodeState::Bypassed);
+    let report = evaluate(&mut s, &[]);
+    assert_eq!((log(&mut s), items(&s, "c.value")), ("memo a, executed c".to_owned(), json!([1.0])));
+    assert_eq!(report.node("b").map(|n| n.happened), Some(Happened::Bypassed));
+    // A parameter that is not passed on changes nothing behind it.
+    s.set("b.b", json!(7)).expect("accepted");
+    evaluate(&mut s, &[]);
+    assert_eq!(log(&mut s), "");
+    s.set("a.value", json!(4)).expect("accepted");
+    evaluate(&mut s, &[]);
+    assert_eq!((log(&mut s), items(&s, "c.value")), ("executed a, executed c".to_owned(), json!([4.0])));
+    state(&mut s, "b", NodeState::On);
+    evaluate(&mut s, &[]);
+    assert_eq!((log(&mut s), items(&s, "c.value")), ("memo a, executed b, executed c".to_owned(), json!([11.0])));
+}
+
+/// Two outputs of one type and one of another; three inputs.
+fn twins() -> Registry {
+    let mut r = Registry::new();
+    let number = |name: &'static str| Port::item::<f64>(name);
+    let nodes = [
+        NodeType::new("number", 1).input(number("value").default(0.0)).output(number("value")).run(|c| {
+            let v = c.number("value")?;
+            c.set("value", v);
+            Ok(())
+        }),
+        NodeType::new("twins", 1)
+            .input(Port::item::<Text>("name").default("x"))
+            .input(number("x").default(1.0))
+            .input(Port::list::<f64>("y").default(json!([2.0])))
+            .output(number("p"))
+            .output(number("q"))
+            .output(number("r"))
+            .run(|_| Ok(())),
+    ];
+    for node in nodes {
+        r.register(node).expect("sound");
+    }
+    r
+}
+
+#[test]
+fn outputs_of_a_bypassed_node_take_the_wires_of_their_type_in_order() {
+    let nodes = |wired: &[&str]| {
+        let wires = wired.iter().map(|port| ((*port).to_owned(), json!({"from": [format!("{port}.value")]})));
+        json!({
+            "x": {"type": "number", "params": {"value": 10}},
+            "y": {"type": "number", "params": {"value": 20}},
+            "t": {"type": "twins", "state": "bypassed", "inputs": wires.collect::<serde_json::Map<_, _>>()},
+            "p": {"type": "number", "inputs": {"value": {"from": ["t.p"]}}},
+            "q": {"type": "number", "inputs": {"value": {"from": ["t.q"]}}},
+            "r": {"type": "number", "inputs": {"value": {"from": ["t.r"]}}},
+        })
+    };
+    let run = |wired: &[&str]| {
+        let mut s = Session::new(std::sync::Arc::new(twins()), document(nodes(wired)), Options::default());
+        let report = evaluate(&mut s, &[]);
+        let values = ["p.value", "q.value", "r.value"].map(|name| items(&s, name));
+        (values, lines(&report))
+    };
+    let none = |node| {
+        format!("warning[blocked] {node}: blocked by t, which is bypassed and has no wire of that type to pass on")
+    };
+    assert_eq!(run(&["x", "y"]), ([json!([10.0]), json!([20.0]), json!(null)], vec![none("r")]));
+    // Literals and defaults are not passed, so the wire at y goes to the first output.
+    assert_eq!(run(&["y"]), ([json!([20.0]), json!(null), json!(null)], vec![none("q"), none("r")]));
+}
+
+#[test]
+fn what_was_blocked_runs_once_the_failure_is_mended() {
+    let mut s = session(json!({
+        "bad": {"type": "root", "params": {"a": -1}},
+        "c": {"type": "floor", "inputs": {"a": {"from": ["bad.value"]}}},
+    }));
+    evaluate(&mut s, &[]);
+    assert_eq!(log(&mut s), "failed bad, blocked c by bad");
+    // Still blocked by the same node: nothing to tell those behind.
+    s.set("bad.a", json!(-2)).expect("accepted");
+    evaluate(&mut s, &[]);
+    assert_eq!(log(&mut s), "failed bad, cut off bad");
+    s.set("bad.a", json!(4)).expect("accepted");
+    evaluate(&mut s, &[]);
+    assert_eq!(log(&mut s), "executed bad, executed c");
+}
+
+#[test]
+fn a_transaction_is_evaluated_once() {
+    let mut s = evaluated(chain());
+    let param = |node: &str, port: &str, value: f64| Operation::SetParam {
+        node: node.into(),
+        port: port.into(),
+        value: Some(json!(value)),
+    };
+    let all = Operation::All(vec![param("a", "value", 2.0), param("b", "b", 5.0), param("a", "value", 3.0)]);
+    let back = s.edit(&all).expect("accepted");
+    evaluate(&mut s, &[]);
+    assert_eq!((log(&mut s), items(&s, "c.value")), ("executed a, executed b, executed c".to_owned(), json!([8.0])));
+    s.edit(&back).expect("accepted");
+    evaluate(&mut s, &[]);
+    assert_eq!((log(&mut s), items(&s, "c.value")), ("memo a, memo b, memo c".to_owned(), json!([2.0])));
+}
+
+#[test]
+fn another_matching_is_another_input() {
+    let lists = |count| json!({"type": "series", "params": {"count": count}});
+    let mut s = evaluated(json!({
+        "p": lists(3),
+        "q": lists(2),
+        "x": {"type": "add", "inputs": {"a": {"from": ["p.values"]}, "b": {"from": ["q.values"]}}},
+    }));
+    let shortest = Operation::SetMatching { node: "x".into(), matching: Some(Matching::Shortest) };
+    let back = s.edit(&shortest).expect("accepted");
+    evaluate(&mut s, &[]);
+    assert_eq!((log(&mut s), items(&s, "x.sum")), ("memo p, memo q, executed x".to_owned(), json!([0.0, 2.0])));
+    s.edit(&back).expect("accepted");
+    evaluate(&mut s, &[]);
+    assert_eq!((log(&mut s), items(&s, "x.sum")), ("memo p, memo q, memo x".to_owned(), json!([0.0, 2.0, 3.0])));
+}
+
+#[test]
+fn a_formula_follows_the_input_that_an_operation_sets() {
+    let text = json!({
+        "format": "tenon", "version": 1, "units": "mm",
+        "interface": {"inputs": {"t": {"port": "a.value"}}},
+        "nodes": {
+            "a": {"type": "number", "params": {"value": 1}},
+            "b": {"type": "floor", "params": {"a": "t * 2"}},
+        },
+    });
+    let document = Document::from_slice(text.to_string().as_bytes()).expect("sound");
+    let mut s = Session::new(registry(), document, Options::default());
+    evaluate(&mut s, &[]);
+    log(&mut s);
+    let set = |value: f64| Operation::SetParam { node: "a".into(), port: "value".into(), value: Some(json!(value)) };
+    s.edit(&set(3.0)).expect("accepted");
+    evaluate(&mut s, &[]);
+    assert_eq!((log(&mut s), items(&s, "b.value")), ("executed a, executed b".to_owned(), json!([6.0])));
+}
+
+/// A quick node, and one behind it that takes as long as it is told.
+fn slow() -> Json {
+    json!({
+        "a": {"type": "number", "params": {"value": 1}},
+        "b": {"type": "add", "params": {"b": 60_000}, "inputs": {"a": {"from": ["a.value"]}}},
+        "y": {"type": "sleep", "params": {"ms": 3}},
+        "z": {"type": "sleep", "inputs": {"ms": {"from": ["b.sum"]}}},
+    })
+}
+
+/// Evaluates and cancels once `z` runs.
+fn cancel_in_z(s: &mut Session) {
+    let control = Control::default();
+    let cancel = control.cancel.clone();
+    let stop = |p: &Progress| {
+        if &*p.node == "z" {
+            cancel.store(true, Ordering::Relaxed);
+        }
+    };
+    let report = s.evaluate(&[], &Control { on_progress: Some(&stop), ..control.clone() });
+    assert!(report.cancelled);
+}
+
+#[test]
+fn what_had_finished_before_a_cancellation_is_not_done_again() {
+    let mut s = session(slow());
+    cancel_in_z(&mut s);
+    assert_eq!((log(&mut s), items(&s, "a.value")), ("cancelled".to_owned(), json!(null)));
+    s.set("y.ms", json!(4)).expect("accepted");
+    cancel_in_z(&mut s);
+    log(&mut s);
+    s.set("b.b", json!(0)).expect("accepted");
+    evaluate(&mut s, &[]);
+    assert_eq!(log(&mut s), "memo a, memo y, executed b, executed z");
+}
+
+#[test]
+fn a_small_budget_does_not_lose_what_a_cancelled_evaluation_had_finished() {
+    let mut s = Session::new(registry(), document(slow()), Options { cache_bytes: 0, ..Options::default() });
+    cancel_in_z(&mut s);
+    log(&mut s);
+    s.set("z.ms", json!(0)).expect_err("it has a wire");
+    s.set("b.b", json!(0)).expect("accepted");
+    evaluate(&mut s, &["z.ms"]);
+    assert_eq!(log(&mut s), "memo a, executed b, executed z, evicted a, evicted b");
+    assert_eq!(s.cache_bytes(), 0);
+}
