@@ -36,6 +36,8 @@ pub enum Command {
     Test(TestArgs),
     /// Rewrite graph files in the canonical form
     Fmt(FmtArgs),
+    /// Evaluate a graph again whenever its file or a file that it reads changes
+    Watch(WatchArgs),
     /// Evaluate a graph for many values of its inputs
     #[command(subcommand)]
     Sweep(SweepCommand),
@@ -131,6 +133,28 @@ pub struct RunArgs {
     #[arg(long)]
     pub unproven: bool,
     /// Print the result as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `tenon watch`.
+#[derive(Debug, Args)]
+pub struct WatchArgs {
+    /// A graph file, or a folder that holds exactly one *.tenon.json
+    pub graph: PathBuf,
+    /// Give an input a value, as for `tenon run`; it stays whatever the file says
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Write the graph's files into this folder after every evaluation (made if it is not there)
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Threads to use; 0 means all there are
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub threads: u16,
+    /// Give programs their final names although their proof failed or was skipped
+    #[arg(long)]
+    pub unproven: bool,
+    /// Print the result of every evaluation as one line of JSON on stdout
     #[arg(long)]
     pub json: bool,
 }

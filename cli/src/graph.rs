@@ -12,7 +12,7 @@ use tenon_engine::{DEFAULT_SIZE_LIMIT, Document, Host};
 const ENDING: &str = ".tenon.json";
 
 /// The largest file that a node may read, bytes.
-const LARGEST_INPUT: u64 = 4 << 30;
+pub const LARGEST_INPUT: u64 = 4 << 30;
 
 /// The graph file that `path` names: itself, or the one `*.tenon.json` of a folder.
 pub fn find(path: &Path) -> Result<PathBuf, Wrong> {
@@ -72,18 +72,18 @@ impl Files {
     pub fn new(graph: &Path, from_command_line: HashSet<String>) -> Self {
         Self { folder: graph.parent().map(Path::to_owned).unwrap_or_default(), from_command_line }
     }
+
+    /// Where the file is that is called `name`.
+    pub fn resolve(&self, name: &str) -> PathBuf {
+        let here = Path::new(name);
+        if self.from_command_line.contains(name) && here.exists() { here.to_owned() } else { self.folder.join(name) }
+    }
 }
 
 impl Host for Files {
     fn read(&self, path: &str) -> io::Result<Arc<[u8]>> {
-        let here = Path::new(path);
-        let path = if self.from_command_line.contains(path) && here.exists() {
-            here.to_owned()
-        } else {
-            self.folder.join(path)
-        };
         let mut bytes = Vec::new();
-        File::open(path)?.take(LARGEST_INPUT + 1).read_to_end(&mut bytes)?;
+        File::open(self.resolve(path))?.take(LARGEST_INPUT + 1).read_to_end(&mut bytes)?;
         if bytes.len() as u64 > LARGEST_INPUT {
             return Err(io::Error::new(
                 io::ErrorKind::FileTooLarge,

@@ -72,7 +72,7 @@ fn summary(session: &Session, name: &str, tree: &Tree) -> String {
     if numbers.len() > 1 {
         let (min, max) = numbers.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
         let mean = numbers.iter().sum::<f64>() / numbers.len() as f64;
-        let unit = run::unit(session, name).map(|u| format!(" {u}")).unwrap_or_default();
+        let unit = run::unit(session.document(), session.registry(), name).map(|u| format!(" {u}")).unwrap_or_default();
         let _ = writeln!(out, "  numbers   {min} to {max}{unit}, mean {mean}");
     }
     let items = tree.branches().iter().flat_map(|(path, c)| (0..c.len()).map(move |i| (path, i, c)));

@@ -17,6 +17,7 @@ mod run;
 mod schema;
 mod sweep;
 mod test;
+mod watch;
 mod words;
 
 use args::{Command, CommandLine, RunArgs};
@@ -52,6 +53,7 @@ fn main() -> ExitCode {
         Some(Command::Inspect(a)) => a.json,
         Some(Command::Sweep(a)) => sweep::json(a),
         Some(Command::Test(a)) => a.json,
+        Some(Command::Watch(a)) => a.json,
         Some(Command::Schema(_) | Command::Fmt(_)) | None => false,
     };
     let result = match line.command {
@@ -62,6 +64,7 @@ fn main() -> ExitCode {
         Some(Command::Schema(a)) => schema::schema(&a),
         Some(Command::Test(a)) => test::test(&a),
         Some(Command::Fmt(a)) => fmt::fmt(&a),
+        Some(Command::Watch(a)) => watch::watch(&a),
         Some(Command::Sweep(a)) => sweep::sweep(&a),
         None => run_default(),
     };

@@ -10,7 +10,10 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
-use tenon_engine::{Access, Control, Diagnostic, Item, Json, Options, Progress, Report, Session, Severity, Text, Tree};
+use tenon_engine::{
+    Access, Control, Diagnostic, Document, Item, Json, Options, Progress, Registry, Report, Session, Severity, Text,
+    Tree,
+};
 
 /// Memory that results may take before old ones are dropped, bytes.
 pub const CACHE: usize = 2 << 30;
@@ -120,27 +123,26 @@ fn parse_get(text: &str) -> Get<'_> {
 
 /// The value that a text stands for at an input: at a text port the text as it stands (or what it is between quotes), at
 /// others what it is as JSON, and what is not JSON, such as `12 mm`, as text.
-pub fn literal(session: &Session, name: &str, text: &str) -> Json {
+pub fn literal(document: &Document, registry: &Registry, name: &str, text: &str) -> Json {
     match serde_json::from_str::<Json>(text) {
         Ok(Json::String(quoted)) => Json::String(quoted),
-        Ok(json) if !takes_text(session, name) => json,
+        Ok(json) if !takes_text(document, registry, name) => json,
         _ => Json::String(text.to_owned()),
     }
 }
 
 /// Gives an input a value.
 fn set(session: &mut Session, name: &str, text: &str) -> Result<(), Wrong> {
-    let value = literal(session, name, text);
+    let value = literal(session.document(), session.registry(), name, text);
     session.set(name, value).map_err(|d| Wrong::new("set", format!("--set {name} cannot be done")).because(vec![d]))
 }
 
 /// Whether an input takes texts one by one: there, `12` is the text 12.
-fn takes_text(session: &Session, name: &str) -> bool {
-    let document = session.document();
+fn takes_text(document: &Document, registry: &Registry, name: &str) -> bool {
     let place = document.inputs.get(name).and_then(|input| input.ports.first()).map_or(name, String::as_str);
     let port = || {
         let (id, port) = place.split_once('.')?;
-        let node_type = session.registry().get(&document.nodes().get(id)?.type_name)?;
+        let node_type = registry.get(&document.nodes().get(id)?.type_name)?;
         node_type.inputs().iter().find(|p| p.name() == port)
     };
     port().is_some_and(|p| p.access() == Access::Item && p.describe()["type"] == Text::TYPE)
@@ -214,7 +216,7 @@ fn summarize(
     let mut lines = Vec::new();
     for output in session.document().outputs.keys() {
         if let Some(tree) = session.value(output) {
-            lines.push(value_line(session, output, &tree));
+            lines.push(value_line(session.document(), session.registry(), output, &tree));
         }
     }
     for made in files {
@@ -236,23 +238,25 @@ fn summarize(
 }
 
 /// An output for people: a number alone with its unit, else what the value says of itself.
-fn value_line(session: &Session, output: &str, tree: &Tree) -> String {
+pub fn value_line(document: &Document, registry: &Registry, output: &str, tree: &Tree) -> String {
     let summary = tree.summary();
     let words = summary.strip_prefix(&format!("{}: ", tree.type_name())).unwrap_or(&summary);
     match tree.first::<f64>() {
         Some(number) if tree.len() == 1 => {
-            format!("{output}: {:.3} {}", number, unit(session, output).unwrap_or_default()).trim_end().to_owned()
+            format!("{output}: {:.3} {}", number, unit(document, registry, output).unwrap_or_default())
+                .trim_end()
+                .to_owned()
         }
         _ => format!("{output}: {words}"),
     }
 }
 
 /// The unit of an interface output: what the graph says, else that of the node's port.
-pub fn unit(session: &Session, output: &str) -> Option<String> {
-    let output = session.document().outputs.get(output)?;
+pub fn unit(document: &Document, registry: &Registry, output: &str) -> Option<String> {
+    let output = document.outputs.get(output)?;
     let port = || {
         let (id, port) = output.port.split_once('.')?;
-        let node_type = session.registry().get(&session.document().nodes().get(id)?.type_name)?;
+        let node_type = registry.get(&document.nodes().get(id)?.type_name)?;
         let port = node_type.outputs().iter().find(|p| p.name() == port)?;
         port.describe()["unit"].as_str().map(str::to_owned)
     };

@@ -14,4 +14,5 @@ mod set;
 mod sweep;
 mod tenon;
 mod test;
+mod watch;
 mod write;

@@ -58,13 +58,13 @@ pub fn make(args: &SweepPlanArgs) -> Result<End, Wrong> {
     let mut axes: Vec<(&str, Vec<Json>)> = Vec::new();
     for text in &args.set {
         let (name, text) = parse_set(text)?;
-        axes.push((name, vec![literal(&session, name, text)]));
+        axes.push((name, vec![literal(session.document(), session.registry(), name, text)]));
     }
     for text in &args.vary {
         let Some((name, text)) = text.split_once('=').filter(|(name, _)| !name.is_empty()) else {
             return Err(Wrong::new("vary", format!("--vary {text} gives no values")).hint("write --vary NAME=VALUES"));
         };
-        axes.push((name, vary::values(text, |t| literal(&session, name, t))?));
+        axes.push((name, vary::values(text, |t| literal(session.document(), session.registry(), name, t))?));
     }
     let mut names = HashSet::new();
     let mut count = 1_usize;
