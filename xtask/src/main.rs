@@ -14,6 +14,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 const USAGE: &str = "\
 cargo xtask bench chain [CASE]...   measure the chain; one JSON line per figure (docs/benchmarks.md)
 cargo xtask bench engine [NODES]... the engine beside its peers, at these sizes or at all
+cargo xtask bench cancel [CASE]...  how long jobs go on after they were told to stop; FILE.obj is planarized
 cargo xtask docs [--check]          write docs/nodes.md from the registry, or only compare
 cargo xtask picture                  draw docs/shell-256.svg from graphs/shell-256";
 
@@ -23,6 +24,7 @@ fn main() -> ExitCode {
     let result = match args.as_slice() {
         ["bench", "chain", cases @ ..] => bench::chain::run(cases),
         ["bench", "engine", sizes @ ..] => bench::engine::run(sizes),
+        ["bench", "cancel", cases @ ..] => bench::cancel::run(cases),
         ["bench-child", rest @ ..] => bench::chain::child(rest),
         ["picture"] => picture::write(),
         ["docs"] => docs::write(),

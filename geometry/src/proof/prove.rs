@@ -101,7 +101,7 @@ pub fn prove(
         let now = done.fetch_add(by, Ordering::Relaxed) + by;
         progress(now as f64 / total.max(1) as f64)
     };
-    let verdicts: Vec<Option<(ProgramVerdict, Vec<PartVerdict>)>> = boards
+    let verdicts: Option<Vec<(ProgramVerdict, Vec<PartVerdict>)>> = boards
         .into_par_iter()
         .enumerate()
         .map(|(board, work)| {
@@ -110,8 +110,7 @@ pub fn prove(
         })
         .collect();
     let mut report = ProofReport { programs: Vec::new(), parts: vec![None; parts.panels.len()] };
-    for verdict in verdicts {
-        let (program, judged) = verdict.ok_or(ProofError::Cancelled)?;
+    for (program, judged) in verdicts.ok_or(ProofError::Cancelled)? {
         report.programs.push(program);
         for part in judged {
             let index = part.part as usize;
@@ -151,6 +150,9 @@ impl Job<'_> {
     /// Verdicts on one board; `None` if cancelled.
     fn board(&self, board: u32, work: &BoardWork) -> Option<(ProgramVerdict, Vec<PartVerdict>)> {
         let (layout, params) = (self.layout, self.params);
+        if !(self.advance)(0) {
+            return None;
+        }
         let mut runner = Runner::new(self.machine, &layout.board, params);
         let mut reasons = Vec::new();
         let whole = |fault| Reason { line: None, part: None, at: None, by: 0.0, fault };
@@ -172,14 +174,21 @@ impl Job<'_> {
         let pieces: Vec<Workpiece> = work
             .placements
             .par_iter()
+            .filter(|_| (self.advance)(0))
             .filter_map(|p| Workpiece::new(self.parts, p, &self.features[p.part as usize]))
             .collect();
+        if !(self.advance)(0) {
+            return None;
+        }
         let near = near_parts(&pieces, &runner.cuts);
         let stock = Aabb { min: glam::DVec3::ZERO, max: layout.board.size.extend(layout.board.thickness) };
-        let judged: Vec<Option<(PartVerdict, Vec<Reason>)>> = pieces
+        let judged: Option<Vec<(PartVerdict, Vec<Reason>)>> = pieces
             .par_iter()
             .zip(&near)
             .map(|(piece, near)| {
+                if !(self.advance)(0) {
+                    return None;
+                }
                 let cuts = near.iter().map(|k| &runner.cuts[*k as usize]).collect();
                 let address = self.parts.panels.address.get(piece.part as usize).copied().unwrap_or_default();
                 let judge = Judge { machine: self.machine, params, stock, piece, cuts, address };
@@ -187,10 +196,10 @@ impl Job<'_> {
                 (self.advance)(PART_COST).then_some(verdict)
             })
             .collect();
+        let judged = judged?;
         let mut verdicts = Vec::with_capacity(judged.len());
         let mut omitted = runner.omitted;
-        for part in judged {
-            let (verdict, mut why) = part?;
+        for (verdict, mut why) in judged {
             verdicts.push(verdict);
             reasons.append(&mut why);
         }

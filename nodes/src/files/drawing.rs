@@ -14,7 +14,8 @@ pub(super) fn nodes() -> Vec<NodeType> {
             .keywords(&["export", "drawing", "layout", "nesting"])
             .run(|c| {
                 let drawing = drawing(c)?;
-                set_file(c, write_dxf(&drawing))
+                let monitor = c.monitor();
+                set_file(c, write_dxf(&drawing, &|| !monitor.cancelled()))
             }),
         inputs(writer("write_svg", "Write SVG", "layout.svg"))
             .doc("Draws the packed boards as SVG, to be looked at and printed.")
@@ -27,14 +28,16 @@ pub(super) fn nodes() -> Vec<NodeType> {
                     "y" => Some(DVec2::Y),
                     _ => None,
                 };
-                set_file(c, write_svg(&drawing, grain))
+                let monitor = c.monitor();
+                set_file(c, write_svg(&drawing, grain, &|| !monitor.cancelled()))
             }),
         inputs(writer("write_layout", "Write layout data", "layout.json"))
             .doc("Writes boards, places and outlines as JSON for other programs.")
             .keywords(&["export", "json", "nesting"])
             .run(|c| {
                 let drawing = drawing(c)?;
-                set_file(c, write_layout_json(&drawing))
+                let monitor = c.monitor();
+                set_file(c, write_layout_json(&drawing, &|| !monitor.cancelled()))
             }),
     ]
 }

@@ -24,6 +24,10 @@ fn writer(id: &'static str, title: &'static str, name: &'static str) -> NodeType
 
 /// Sets the output of a [`writer`].
 fn set_file(c: &mut Call, bytes: Vec<u8>) -> Result<(), Fail> {
+    if c.cancelled() {
+        // They may have stopped half-way.
+        return Err(Fail::cancelled());
+    }
     let name = c.text("name")?.into();
     c.set("file", File { name, bytes: bytes.into(), withheld: None });
     Ok(())

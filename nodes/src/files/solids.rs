@@ -14,7 +14,8 @@ pub(super) fn nodes() -> Vec<NodeType> {
             .keywords(&["export", "mesh"])
             .input(Port::item::<V<Mesh>>("mesh").doc("The mesh."))
             .run(|c| {
-                let bytes = write_obj(c.item::<V<Mesh>>("mesh")?);
+                let monitor = c.monitor();
+                let bytes = write_obj(c.item::<V<Mesh>>("mesh")?, &|| !monitor.cancelled());
                 set_file(c, bytes)
             }),
         writer("write_panels", "Write panels", "panels.obj")
@@ -22,7 +23,8 @@ pub(super) fn nodes() -> Vec<NodeType> {
             .keywords(&["export", "solids", "obj"])
             .input(Port::item::<V<PanelSet>>("panels").doc("The panels."))
             .run(|c| {
-                let bytes = write_panels_obj(c.item::<V<PanelSet>>("panels")?);
+                let monitor = c.monitor();
+                let bytes = write_panels_obj(c.item::<V<PanelSet>>("panels")?, &|| !monitor.cancelled());
                 set_file(c, bytes)
             }),
     ]

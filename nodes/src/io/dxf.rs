@@ -39,14 +39,14 @@ mod handle {
 /// Writes the drawing as ASCII DXF R2000 (AC1015), millimetres, boards side by side along X with a gap of a tenth of
 /// their width. Lengths have 4 decimals. Layers: BOARD, USABLE (board less margin), UPPER and LOWER (outlines of both
 /// faces), CLEARED (what tools sweep), HOLES (circle of the hole's diameter at its mouth, line to its tip), CUTS, TEXT.
-/// Cost O(corners + holes).
+/// Cost O(corners + holes). Stops early, and what there is then is of no use, when `go` says no.
 #[must_use]
-pub fn write_dxf(drawing: &Drawing) -> Vec<u8> {
+pub fn write_dxf(drawing: &Drawing, go: &dyn Fn() -> bool) -> Vec<u8> {
     let mut body = Dxf { text: String::new(), next: handle::FIRST_FREE };
     for board in 0..drawing.boards {
         body.board(drawing, board);
     }
-    for piece in &drawing.pieces {
+    for piece in drawing.pieces.iter().take_while(|_| go()) {
         body.piece(piece, board_origin(drawing, piece.placement.board));
     }
     let entities = std::mem::take(&mut body.text);
@@ -239,7 +239,7 @@ mod tests {
 
     #[test]
     fn holds_what_the_layout_holds_under_unique_handles() {
-        let dxf = write_dxf(&draw(&fixture::parts(), &fixture::layout()).unwrap());
+        let dxf = write_dxf(&draw(&fixture::parts(), &fixture::layout()).unwrap(), &|| true);
         let pairs = pairs(&dxf);
         let count = |kind: &str| pairs.iter().filter(|p| p.0 == 0 && p.1 == kind).count();
         // 2 boards × 2 rectangles, 2 pieces × 3 outlines, 1 slot.

@@ -34,9 +34,10 @@ struct Piece<'a> {
 ///
 /// `size`, `thickness`, `margin` are the board's, `boards` how many there are (pieces count them from 0). Per piece:
 /// `frame` = 3 × 4 matrix model → part frame, then `offset` and `turn_deg` part frame → board frame; `upper`, `lower`
-/// (faces), `piece` (`P_i`) and `cleared` (`C_i`) are polygons in the board's frame. Cost O(corners).
+/// (faces), `piece` (`P_i`) and `cleared` (`C_i`) are polygons in the board's frame. Cost O(corners). Stops early, and what
+/// there is then is of no use, when `go` says no.
 #[must_use]
-pub fn write_layout_json(drawing: &Drawing) -> Vec<u8> {
+pub fn write_layout_json(drawing: &Drawing, go: &dyn Fn() -> bool) -> Vec<u8> {
     let board = drawing.board;
     let head = Head {
         format: "tenon-layout",
@@ -47,7 +48,8 @@ pub fn write_layout_json(drawing: &Drawing) -> Vec<u8> {
         margin: board.margin,
         boards: drawing.boards,
     };
-    document(&head, [("pieces", drawing.pieces.iter().map(|p| json(&record(p))).collect())])
+    let pieces = drawing.pieces.iter().take_while(|_| go());
+    document(&head, [("pieces", pieces.map(|p| json(&record(p))).collect())])
 }
 
 fn record(p: &DrawnPiece) -> Piece<'_> {
@@ -79,7 +81,7 @@ mod tests {
 
     #[test]
     fn says_where_everything_lies() {
-        let json = write_layout_json(&draw(&fixture::parts(), &fixture::layout()).unwrap());
+        let json = write_layout_json(&draw(&fixture::parts(), &fixture::layout()).unwrap(), &|| true);
         let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
         assert_eq!(json["size"], serde_json::json!([400.0, 300.0]));
         let second = &json["pieces"][1];

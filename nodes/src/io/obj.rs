@@ -223,15 +223,19 @@ fn shown(word: &[u8]) -> String {
     if clean.len() < word.len() { clean + "…" } else { clean }
 }
 
+/// Vertices or faces written before it is looked whether to go on.
+const CHUNK: usize = 4096;
+
 /// Writes a mesh in millimetres, shortest decimal numbers that read back as the same `f64`. Cost O(corners).
+/// Stops early, and what there is then is of no use, when `go` says no.
 #[must_use]
-pub fn write_obj(mesh: &Mesh) -> Vec<u8> {
+pub fn write_obj(mesh: &Mesh, go: &dyn Fn() -> bool) -> Vec<u8> {
     let mut out = String::with_capacity(mesh.points.len() * 56 + mesh.face_vertices.len() * 7 + 64);
     out.push_str("# Tenon mesh, mm\n");
-    for p in &mesh.points {
-        vertex(&mut out, *p);
+    for points in mesh.points.chunks(CHUNK).take_while(|_| go()) {
+        points.iter().for_each(|p| vertex(&mut out, *p));
     }
-    for f in 0..mesh.face_count() {
+    for f in (0..mesh.face_count()).take_while(|f| !f.is_multiple_of(CHUNK) || go()) {
         face(&mut out, mesh.face(f), 1);
     }
     out.into_bytes()
@@ -239,12 +243,12 @@ pub fn write_obj(mesh: &Mesh) -> Vec<u8> {
 
 /// Writes every panel as an object of its own, `o row.column`: a closed solid whose faces (front, back, chamfers, node
 /// facets) share their corners and look outwards. Panels that could not be made are left out. Millimetres, shortest
-/// round-trip numbers. Cost O(corners).
+/// round-trip numbers. Cost O(corners). Stops early, and what there is then is of no use, when `go` says no.
 #[must_use]
-pub fn write_panels_obj(panels: &PanelSet) -> Vec<u8> {
+pub fn write_panels_obj(panels: &PanelSet, go: &dyn Fn() -> bool) -> Vec<u8> {
     let mut out = String::from("# Tenon panels, mm\n");
     let mut first = 1;
-    for i in (0..panels.len()).filter(|&i| panels.is_valid(i)) {
+    for i in (0..panels.len()).filter(|&i| panels.is_valid(i)).take_while(|_| go()) {
         let solid = panels.solid(i);
         let _ = writeln!(out, "o {}", panels.address[i]);
         for p in &solid.points {
@@ -322,7 +326,7 @@ mod tests {
     #[test]
     fn panels_are_closed_and_hold_their_volume() {
         let panels = fixture::panels();
-        let text = write_panels_obj(&panels);
+        let text = write_panels_obj(&panels, &|| true);
         assert!(String::from_utf8_lossy(&text).contains("\no 3.2\n"));
         let mesh = read_obj(&text, 1.0).unwrap();
         // 2 × (front, back, 4 chamfers) and one node facet; 8 + 1 corners and 8.
@@ -363,7 +367,7 @@ mod tests {
                 mesh.face_start.push(mesh.face_vertices.len() as u32);
             }
             mesh.points = points;
-            prop_assert_eq!(read_obj(&write_obj(&mesh), 1.0).unwrap(), mesh);
+            prop_assert_eq!(read_obj(&write_obj(&mesh, &|| true), 1.0).unwrap(), mesh);
         }
 
         #[test]

@@ -24,9 +24,10 @@ text{font-family:Helvetica,Arial,sans-serif;fill:#33210b}\
 
 /// Writes the drawing as SVG, 1 user unit = 1 mm, 2 decimals. Every board stands upright (Y up), named with its number
 /// of pieces and the share of its area that they fill; `grain` is the grain's direction in the board, drawn as an arrow
-/// beside the title where it is given. Cost O(corners + holes).
+/// beside the title where it is given. Cost O(corners + holes). Stops early, and what there is then is of no use, when
+/// `go` says no.
 #[must_use]
-pub fn write_svg(drawing: &Drawing, grain: Option<DVec2>) -> Vec<u8> {
+pub fn write_svg(drawing: &Drawing, grain: Option<DVec2>, go: &dyn Fn() -> bool) -> Vec<u8> {
     let size = drawing.board.size;
     let edge = 0.06 * size.x;
     let head = 0.09 * size.x;
@@ -42,7 +43,7 @@ pub fn write_svg(drawing: &Drawing, grain: Option<DVec2>) -> Vec<u8> {
     let base = svg.origin;
     for board in 0..drawing.boards {
         svg.origin = base + board_origin(drawing, board);
-        svg.board(drawing, board, grain);
+        svg.board(drawing, board, grain, go);
     }
     svg.text.push_str("</svg>\n");
     svg.text.into_bytes()
@@ -63,7 +64,10 @@ impl Svg {
         DVec2::new(self.origin.x + p.x, self.origin.y - p.y)
     }
 
-    fn board(&mut self, drawing: &Drawing, board: u32, grain: Option<DVec2>) {
+    fn board(&mut self, drawing: &Drawing, board: u32, grain: Option<DVec2>, go: &dyn Fn() -> bool) {
+        if !go() {
+            return;
+        }
         let (size, margin) = (drawing.board.size, drawing.board.margin);
         let pieces: Vec<_> = drawing.pieces.iter().filter(|p| p.placement.board == board).collect();
         let used: f64 = pieces.iter().map(|p| signed_area(&p.piece).abs()).sum();
@@ -94,7 +98,7 @@ impl Svg {
         for piece in &pieces {
             self.polygon("cleared", &piece.cleared);
         }
-        for piece in &pieces {
+        for piece in pieces.iter().take_while(|_| go()) {
             self.piece(piece);
         }
         self.text.push_str("</g>\n");
@@ -182,7 +186,7 @@ mod tests {
     #[test]
     fn shows_every_piece_on_its_board() {
         let drawing = draw(&fixture::parts(), &fixture::layout()).unwrap();
-        let svg = String::from_utf8(write_svg(&drawing, Some(DVec2::Y))).unwrap();
+        let svg = String::from_utf8(write_svg(&drawing, Some(DVec2::Y), &|| true)).unwrap();
         let (one, two) = svg.split_once("id=\"board-2\"").unwrap();
         assert!(one.contains(">3.0</text>") && !one.contains(">3.2</text>") && two.contains(">3.2</text>"));
         assert_eq!(svg.matches("class=\"hole\"").count(), 2);
@@ -192,6 +196,6 @@ mod tests {
         assert!(one.contains("Board 1 · 1 piece · 15 % filled"), "{one}");
         // The upper face's first corner: 24 mm edge + 40, and 24 + 36 head + 300 - 50 from the top.
         assert!(one.contains("class=\"upper\" points=\"64.00,310.00 "), "{one}");
-        assert!(!write_svg(&drawing, None).windows(5).any(|w| w == b"grain\""));
+        assert!(!write_svg(&drawing, None, &|| true).windows(5).any(|w| w == b"grain\""));
     }
 }

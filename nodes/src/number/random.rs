@@ -25,7 +25,8 @@ pub(super) fn node() -> NodeType {
                 return Err(Fail::new("range-too-wide", message).port("end"));
             }
             let count = usize::try_from(count).unwrap_or(0);
-            let numbers = Random::new(c.integer("seed")?).take(count).map(|u| start + (end - start) * u).collect();
+            let all = Random::new(c.integer("seed")?).map(|u| start + (end - start) * u);
+            let numbers = crate::params::numbers(c, count, all)?;
             c.set_list("numbers", numbers);
             Ok(())
         })

@@ -1,12 +1,28 @@
 //! List, range and series.
 
-use tenon_engine::{Access, Fail, NodeType, Port, Unit};
+use tenon_engine::{Access, Call, Fail, NodeType, Port, Unit};
 
 /// Longer lists are refused: they are typing errors that would fill the memory.
 const LONGEST: i64 = 100_000_000;
 
 pub(super) fn nodes() -> Vec<NodeType> {
     vec![list(), range(), series()]
+}
+
+/// So many numbers are made before it is looked whether to stop.
+const STRIDE: usize = 1 << 16;
+
+/// `count` numbers of a sequence, as a list.
+pub(crate) fn numbers(c: &Call, count: usize, mut all: impl Iterator<Item = f64>) -> Result<Vec<f64>, Fail> {
+    let mut numbers = Vec::with_capacity(count);
+    while numbers.len() < count {
+        if c.cancelled() {
+            return Err(Fail::cancelled());
+        }
+        let some = STRIDE.min(count - numbers.len());
+        numbers.extend(all.by_ref().take(some));
+    }
+    Ok(numbers)
 }
 
 fn list() -> NodeType {
@@ -50,7 +66,7 @@ fn range() -> NodeType {
             }
             let numbers =
                 (0..=steps).map(|i| if i == steps { end } else { start + (end - start) * (i as f64 / steps as f64) });
-            let numbers = numbers.collect();
+            let numbers = self::numbers(c, usize::try_from(steps).unwrap_or(0) + 1, numbers)?;
             c.set_list("numbers", numbers);
             Ok(())
         })
@@ -81,7 +97,8 @@ fn series() -> NodeType {
                 )
                 .port("step"));
             }
-            let numbers = (0..count).map(|i| start + step * i as f64).collect();
+            let all = (0..count).map(|i| start + step * i as f64);
+            let numbers = numbers(c, usize::try_from(count).unwrap_or(0), all)?;
             c.set_list("numbers", numbers);
             Ok(())
         })

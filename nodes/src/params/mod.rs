@@ -4,6 +4,7 @@ mod list;
 mod primitive;
 mod spatial;
 
+pub(crate) use list::numbers;
 use tenon_engine::NodeType;
 
 /// Every node of this folder.

@@ -45,8 +45,10 @@ fn run(c: &mut Call) -> Result<(), Fail> {
         sample: c.number("sample")?,
         ..ProofParams::default()
     };
-    let read: Vec<proof::Program> = programs.par_iter().map(|p| p.posted.read(&machine.machine)).collect();
     let monitor = c.monitor();
+    let read = |p: &Program| (!monitor.cancelled()).then(|| p.posted.read(&machine.machine));
+    let read: Option<Vec<proof::Program>> = programs.par_iter().map(read).collect();
+    let read = read.ok_or_else(Fail::cancelled)?;
     let (parts, layout) = (c.item::<V<PartSet>>("parts")?, c.item::<V<Layout>>("layout")?);
     let report =
         prove(&read, &machine.machine, parts, layout, &params, &|f| monitor.progress(f)).map_err(|e| proof_fail(&e))?;

@@ -146,7 +146,12 @@ fn sort() -> NodeType {
         .output(Port::list::<i64>("index").doc("Where each of them was before."))
         .run(|c| {
             let (keys, values) = (c.column("keys")?, c.column("values")?);
-            let order = if c.boolean("descending")? { keys.descending() } else { keys.ascending() };
+            let monitor = c.monitor();
+            let go = || !monitor.cancelled();
+            let order = if c.boolean("descending")? { keys.descending(&go) } else { keys.ascending(&go) };
+            if c.cancelled() {
+                return Err(Fail::cancelled());
+            }
             let order = order.ok_or_else(|| {
                 Fail::new("no-order", format!("items of type {} have no order", keys.type_name()))
                     .port("keys")
