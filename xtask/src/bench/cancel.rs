@@ -33,10 +33,10 @@ impl Host for Disk {
     }
 }
 
-/// Runs the cases whose names begin like one of `names`, or all; OBJ files among the names are planarized.
+/// Runs the named cases, or all; OBJ files among the names are planarized.
 pub fn run(names: &[&str]) -> Result<(), String> {
     let (files, names): (Vec<&str>, Vec<&str>) = names.iter().partition(|n| n.ends_with(".obj"));
-    let wanted = |case: &str| (names.is_empty() && files.is_empty()) || names.iter().any(|n| case.starts_with(n));
+    let wanted = |case: &str| (names.is_empty() && files.is_empty()) || names.contains(&case);
     let registry = Arc::new(tenon_nodes::registry());
     let mut jobs: Vec<Job> = Vec::new();
     for (case, size) in [("shell_256", Size::ALL[0]), ("shell_1024", Size::ALL[1]), ("shell_10240", Size::ALL[2])] {
