@@ -175,6 +175,9 @@ pub struct NodesArgs {
     /// Describe only this node type
     #[arg(value_name = "TYPE")]
     pub node_type: Option<String>,
+    /// Tell of the clusters of this graph as well (cluster:NAME)
+    #[arg(long, value_name = "GRAPH", conflicts_with = "conversions")]
+    pub graph: Option<PathBuf>,
     /// List instead what wires turn into what by themselves
     #[arg(long, conflicts_with = "node_type")]
     pub conversions: bool,
@@ -192,6 +195,9 @@ pub struct FmtArgs {
     /// Change nothing; name the files that are not in canonical form and exit with 1
     #[arg(long)]
     pub check: bool,
+    /// Pin linked clusters to the version and the digest that their files have now
+    #[arg(long, conflicts_with = "check")]
+    pub update_links: bool,
 }
 
 /// Options of `tenon inspect`.

@@ -3,11 +3,13 @@
 use crate::args::CheckArgs;
 use crate::words::{Voice, Wrong, print, print_json, to_json};
 use crate::{End, graph};
+use std::collections::HashSet;
 use tenon_engine::Severity;
 
 /// Validates a graph against the registry of built-in nodes.
 pub fn check(args: &CheckArgs) -> Result<End, Wrong> {
-    let (file, document) = graph::load(&args.graph)?;
+    let (file, mut document) = graph::load(&args.graph)?;
+    document.read_links(&graph::Files::new(&file, HashSet::new()));
     let diagnostics = document.validate(&tenon_nodes::registry());
     let errors = diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
     Voice::new().diagnostics(&diagnostics);

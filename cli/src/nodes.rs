@@ -2,10 +2,12 @@
 
 use crate::End;
 use crate::args::NodesArgs;
+use crate::graph;
 use crate::words::{Wrong, print, print_json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write;
-use tenon_engine::{Json, Registry};
+use std::path::Path;
+use tenon_engine::{Diagnostic, Json, NodeType, Registry};
 
 /// Prints all node types by category, or everything about one.
 pub fn nodes(args: &NodesArgs) -> Result<End, Wrong> {
@@ -13,9 +15,11 @@ pub fn nodes(args: &NodesArgs) -> Result<End, Wrong> {
     if args.conversions {
         return conversions(&registry, args.json);
     }
+    let clusters = args.graph.as_deref().map_or_else(|| Ok(Vec::new()), |graph| clusters(graph, &registry))?;
+    let types = || registry.iter().map(|n| &**n).chain(&clusters);
     if let Some(name) = &args.node_type {
-        let Some(node) = registry.get(name) else {
-            let known = registry.iter().map(|n| n.type_name());
+        let Some(node) = types().find(|n| n.type_name() == name) else {
+            let known = types().map(|n| n.type_name());
             let wrong = Wrong::new("unknown-node-type", format!("there is no node type \"{name}\""));
             return Err(match tenon_engine::nearest(name, known) {
                 Some(near) => wrong.hint(format!("did you mean \"{near}\"?")),
@@ -30,13 +34,24 @@ pub fn nodes(args: &NodesArgs) -> Result<End, Wrong> {
         }
         return Ok(End::Done);
     }
-    let all: Vec<Json> = registry.iter().map(|n| n.describe()).collect();
+    let all: Vec<Json> = types().map(|n| n.describe()).collect();
     if args.json {
         print_json(&Json::Array(all))?;
     } else {
         print(&list(&all))?;
     }
     Ok(End::Done)
+}
+
+/// The clusters of a graph as node types.
+fn clusters(path: &Path, registry: &Registry) -> Result<Vec<NodeType>, Wrong> {
+    let (file, mut document) = graph::load(path)?;
+    document.read_links(&graph::Files::new(&file, HashSet::new()));
+    let wrong = |d: Diagnostic| {
+        Wrong::new("no-graph", format!("{}: a cluster cannot be used", file.display())).because(vec![d])
+    };
+    let names = document.clusters.keys();
+    names.map(|name| document.cluster_type(name, registry).map_err(wrong)).collect()
 }
 
 /// One line per implicit conversion.

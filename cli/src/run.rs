@@ -140,12 +140,8 @@ fn set(session: &mut Session, name: &str, text: &str) -> Result<(), Wrong> {
 /// Whether an input takes texts one by one: there, `12` is the text 12.
 fn takes_text(document: &Document, registry: &Registry, name: &str) -> bool {
     let place = document.inputs.get(name).and_then(|input| input.ports.first()).map_or(name, String::as_str);
-    let port = || {
-        let (id, port) = place.split_once('.')?;
-        let node_type = registry.get(&document.nodes().get(id)?.type_name)?;
-        node_type.inputs().iter().find(|p| p.name() == port)
-    };
-    port().is_some_and(|p| p.access() == Access::Item && p.describe()["type"] == Text::TYPE)
+    let port = document.input_port(registry, place);
+    port.is_some_and(|p| p.access() == Access::Item && p.type_name() == Text::TYPE)
 }
 
 /// What is to be evaluated: only what was asked for, or with an output folder all outputs and writers as well; none
@@ -157,11 +153,7 @@ fn targets(session: &Session, gets: &[Get], args: &RunArgs) -> Vec<String> {
     }
     let document = session.document();
     let mut targets: Vec<String> = document.outputs.keys().cloned().chain(asked).collect();
-    for (id, node) in document.nodes() {
-        if let Some(writer) = session.registry().get(&node.type_name).filter(|t| t.is_writer()) {
-            targets.extend(writer.outputs().iter().map(|port| format!("{id}.{}", port.name())));
-        }
-    }
+    targets.extend(session.writers());
     targets
 }
 
@@ -254,13 +246,8 @@ pub fn value_line(document: &Document, registry: &Registry, output: &str, tree: 
 /// The unit of an interface output: what the graph says, else that of the node's port.
 pub fn unit(document: &Document, registry: &Registry, output: &str) -> Option<String> {
     let output = document.outputs.get(output)?;
-    let port = || {
-        let (id, port) = output.port.split_once('.')?;
-        let node_type = registry.get(&document.nodes().get(id)?.type_name)?;
-        let port = node_type.outputs().iter().find(|p| p.name() == port)?;
-        port.describe()["unit"].as_str().map(str::to_owned)
-    };
-    output.unit.clone().or_else(port)
+    let behind = || document.output_port(registry, &output.port)?.describe()["unit"].as_str().map(str::to_owned);
+    output.unit.clone().or_else(behind)
 }
 
 /// How long each node took, the slowest first.

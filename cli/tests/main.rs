@@ -2,6 +2,7 @@
 
 mod call;
 mod check;
+mod clusters;
 mod fmt;
 mod get;
 mod graphs;

@@ -18,8 +18,8 @@ mod value;
 pub use call::{Call, Monitor};
 pub use diagnostic::{Diagnostic, Fail, Severity, nearest};
 pub use document::{
-    DEFAULT_SIZE_LIMIT, DEPTH_LIMIT, Document, Fields, History, InterfaceInput, InterfaceOutput, Node, NodeState,
-    Operation, OuterWires, Paste, Table, TreeOp, Wires,
+    Cluster, DEFAULT_SIZE_LIMIT, DEPTH_LIMIT, Document, Fields, History, InterfaceInput, InterfaceOutput, Link, Node,
+    NodeState, Operation, OuterWires, Paste, Table, TreeOp, Wires,
 };
 pub use evaluate::matching::Matching;
 pub use evaluate::report::{Control, Event, Happened, NodeReport, Progress, Report};

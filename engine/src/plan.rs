@@ -1,17 +1,26 @@
 //! The plan: the document compiled to dense tables, so that evaluation follows numbers and never looks up a name.
 //! Nodes are numbered in the order of their ids; slots, wires and successors lie in flat tables (CSR).
 
+mod address;
+pub(crate) mod define;
+mod expand;
 mod formula;
 mod order;
 
 use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
-use crate::document::model::{Document, NodeState, TreeOp, split_port};
+use crate::document::link::join;
+use crate::document::model::{Document, NodeState, TreeOp, Wires};
 use crate::evaluate::matching::Matching;
 use crate::port::Port;
 use crate::registry::{NodeType, Registry};
-use crate::value::Tree;
+use crate::value::{Json, Tree};
+use expand::{Flat, FlatNode, Given, Instance};
+use formula::Formula;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
+
+/// A node type with narrower ranges: ports and the bits of both ends.
+type Narrowed<'a> = (u32, Vec<(&'a str, u64, u64)>);
 
 /// No node type: the document names one that nobody knows.
 pub(crate) const UNKNOWN: u32 = u32::MAX;
@@ -61,18 +70,23 @@ pub(crate) struct Plan {
     pub levels: usize,
     /// Errors and warnings of nodes; the port, if it is one parameter's fault that setting it would mend.
     errors: BTreeMap<u32, Vec<(Option<u32>, Diagnostic)>>,
-    /// Parameters that are formulas, by node and port, with the names of the interface inputs in them.
-    formulas: BTreeMap<(u32, u32), Vec<String>>,
+    /// Parameters that are formulas, by node and port.
+    formulas: BTreeMap<(u32, u32), Formula>,
+    /// Instances of clusters by path; their nodes are among the others.
+    instances: BTreeMap<Arc<str>, Instance>,
+    /// Nodes that cannot run because the other one is of an unknown type.
+    pub strangers: Vec<(u32, u32)>,
     /// What concerns no single node.
     pub general: Vec<Diagnostic>,
 }
 
 impl Plan {
-    /// O(nodes + ports + wires).
+    /// O(nodes + ports + wires), all clusters expanded; with clusters, times the logarithm.
     pub fn compile(document: &Document, registry: &Registry) -> Self {
+        let flat = Flat::expand(document);
         let mut plan = Self {
-            ids: document.nodes.keys().map(|id| Arc::from(id.as_str())).collect(),
-            nodes: Vec::with_capacity(document.nodes.len()),
+            ids: flat.nodes.iter().map(|node| Arc::from(&*node.path)).collect(),
+            nodes: Vec::with_capacity(flat.nodes.len()),
             types: Vec::new(),
             slots: Vec::new(),
             wires: Vec::new(),
@@ -83,10 +97,13 @@ impl Plan {
             levels: 0,
             errors: BTreeMap::new(),
             formulas: BTreeMap::new(),
+            instances: BTreeMap::new(),
+            strangers: Vec::new(),
             general: Vec::new(),
         };
-        plan.place_nodes(document, registry);
-        plan.connect(document, registry);
+        plan.place_nodes(&flat, registry);
+        plan.connect(&flat, registry);
+        flat.finish(&mut plan);
         plan.order();
         plan.compute_formulas(document);
         plan.check_interface(document);
@@ -98,9 +115,11 @@ impl Plan {
         plan
     }
 
-    fn place_nodes(&mut self, document: &Document, registry: &Registry) {
+    fn place_nodes(&mut self, flat: &Flat<'_>, registry: &Registry) {
         let mut known: HashMap<&str, u32> = HashMap::new();
-        for (n, (id, node)) in document.nodes.iter().enumerate() {
+        let mut narrowed = HashMap::new();
+        for (n, at) in flat.nodes.iter().enumerate() {
+            let (id, node) = (&*at.path, at.node);
             let node_type = match known.get(node.type_name.as_str()) {
                 Some(t) => *t,
                 None => {
@@ -112,6 +131,7 @@ impl Plan {
                     t
                 }
             };
+            let node_type = self.narrow(node_type, flat, at, &mut narrowed);
             let (slots, outputs) = (self.slots.len() as u32, self.output_node.len() as u32);
             let mut output_count = 0;
             if let Some(t) = self.types.get(node_type as usize).cloned() {
@@ -135,6 +155,8 @@ impl Plan {
                         Diagnostic::error("older-node", message).with_severity(Severity::Warning).at(id),
                     );
                 }
+            } else if let Some(problem) = &at.problem {
+                self.error(n, None, Diagnostic::clone(problem));
             } else {
                 let hint = did_you_mean(&node.type_name, registry.iter().map(|t| &*t.type_name));
                 let message = format!("no node type is called \"{}\"", node.type_name);
@@ -150,7 +172,7 @@ impl Plan {
                 successors: 0,
                 height: 0,
                 matching: node.matching.or_else(of_port).unwrap_or_default(),
-                state: node.state,
+                state: at.state,
                 has_files,
                 sound: true,
             });
@@ -163,69 +185,138 @@ impl Plan {
         }
     }
 
-    fn connect(&mut self, document: &Document, registry: &Registry) {
-        let mut shapes: HashMap<Vec<TreeOp>, u32> = HashMap::from([(Vec::new(), 0)]);
-        for (n, (id, node)) in document.nodes.iter().enumerate() {
-            let Some(t) = self.types.get(self.nodes[n].node_type as usize).cloned() else { continue };
-            let base = self.nodes[n].slots;
-            for (name, json) in &node.params {
-                let Some(p) = t.input_index(name) else {
-                    self.unknown_input(n, id, name, &t);
-                    continue;
-                };
-                let names = t.inputs[p].names_in(json);
-                if !names.is_empty() {
-                    // Computed when every literal that it may name is in its place.
-                    self.formulas.insert((n as u32, p as u32), names);
-                    continue;
-                }
-                match t.inputs[p].literal(json) {
-                    Ok(tree) => {
-                        self.slots[base as usize + p] = Slot::Literal(self.literals.len() as u32);
-                        self.literals.push(tree);
-                    }
-                    Err(fail) => self.error(n, Some(p as u32), fail.at(Severity::Error, id)),
-                }
+    /// The node type with the ranges of the clusters around the node; each combination once.
+    fn narrow<'a>(
+        &mut self,
+        node_type: u32,
+        flat: &Flat<'a>,
+        at: &FlatNode<'a>,
+        known: &mut HashMap<Narrowed<'a>, u32>,
+    ) -> u32 {
+        let ranges = flat.ranges(at);
+        let Some(t) = self.types.get(node_type as usize).filter(|_| !ranges.is_empty()).cloned() else {
+            return node_type;
+        };
+        let bits = ranges.iter().map(|(port, min, max)| (*port, min.to_bits(), max.to_bits())).collect();
+        *known.entry((node_type, bits)).or_insert_with(|| {
+            let (narrow, empty) = t.narrowed(&ranges);
+            for port in empty {
+                let message = format!("the range that the cluster gives \"{port}\" leaves nothing of the port's own");
+                self.general.push(Diagnostic::error("empty-range", message).at(&*at.path).port(port));
             }
-            for (name, wires) in &node.inputs {
+            self.types.push(Arc::new(narrow));
+            self.types.len() as u32 - 1
+        })
+    }
+
+    fn connect(&mut self, flat: &Flat<'_>, registry: &Registry) {
+        let mut shapes: HashMap<Vec<TreeOp>, u32> = HashMap::from([(Vec::new(), 0)]);
+        let mut shared = HashMap::new();
+        for (n, at) in flat.nodes.iter().enumerate() {
+            let Some(t) = self.types.get(self.nodes[n].node_type as usize).cloned() else { continue };
+            for (name, given) in flat.given(at) {
                 let Some(p) = t.input_index(name) else {
-                    self.unknown_input(n, id, name, &t);
+                    self.unknown_input(n, &at.path, name, &t);
                     continue;
                 };
-                let from = self.wires.len() as u32;
-                let mut seen = HashSet::new();
-                for source in &wires.from {
-                    if wires.from.len() > 1 && !seen.insert(source) {
-                        let message = format!("the wire from {source} comes in twice");
-                        self.error(n, None, Diagnostic::error("duplicate-wire", message).at(id).port(name));
-                        continue;
-                    }
-                    match self.source(source, registry, &t.inputs[p], id) {
-                        Ok(slot) => self.wires.push(slot),
-                        Err(Some(diagnostic)) => self.error(n, None, diagnostic.at(id).port(name)),
-                        // The source is of an unknown type: it says so itself and blocks this node.
-                        Err(None) => {
-                            let message = format!("blocked: \"{source}\" is of an unknown type");
-                            let diagnostic = Diagnostic::error("blocked", message).with_severity(Severity::Note);
-                            self.error(n, None, diagnostic.at(id).port(name));
-                            self.nodes[n].sound = false;
+                match given {
+                    Given::Literal(json, scope) => self.place_literal(flat, (n, p), json, scope, &mut shared),
+                    Given::Wires(wires, scope) => {
+                        if at.node.matching.is_none()
+                            && let Some(matching) = wires.matching.filter(|m| *m != Matching::Longest)
+                            && self.nodes[n].matching == Matching::Longest
+                        {
+                            self.nodes[n].matching = matching;
                         }
+                        self.place_wires((n, p), wires, scope, flat, registry, &mut shapes);
                     }
-                }
-                let to = self.wires.len() as u32;
-                if to > from {
-                    let next = shapes.len() as u32;
-                    let shape = *shapes.entry(wires.tree.clone()).or_insert(next);
-                    if shape == next {
-                        self.shapes.push(wires.tree.clone());
-                    }
-                    self.slots[base as usize + p] = Slot::Wires { from, to, shape };
-                    // The wire overrules the literal, so the literal's faults do not matter.
-                    self.mend(n, p as u32);
                 }
             }
         }
         self.find_successors();
+    }
+
+    /// Literals of definitions are parsed once for all instances.
+    fn place_literal<'a>(
+        &mut self,
+        flat: &Flat<'a>,
+        (n, p): (usize, usize),
+        json: &'a Json,
+        scope: u32,
+        shared: &mut HashMap<(*const Json, u32, usize), Tree>,
+    ) {
+        let t = self.types[self.nodes[n].node_type as usize].clone();
+        let port = &t.inputs[p];
+        let names = port.names_in(json);
+        if !names.is_empty() {
+            // Computed when every literal that it may name is in its place.
+            let scope = flat.scopes[scope as usize].path.trim_end_matches('/').into();
+            self.formulas.insert((n as u32, p as u32), Formula { names, json: json.clone(), scope });
+            return;
+        }
+        let key = (std::ptr::from_ref(json), self.nodes[n].node_type, p);
+        let known = if flat.nodes[n].scope == expand::ROOT { None } else { shared.get(&key).cloned() };
+        let literal = known.map_or_else(|| port.literal(&in_folder(port, json, flat.folder(scope))), Ok);
+        match literal {
+            Ok(tree) => {
+                if flat.nodes[n].scope != expand::ROOT {
+                    shared.insert(key, tree.clone());
+                }
+                self.slots[self.nodes[n].slots as usize + p] = Slot::Literal(self.literals.len() as u32);
+                self.literals.push(tree);
+            }
+            Err(fail) => {
+                let id = self.ids[n].clone();
+                self.error(n, Some(p as u32), fail.at(Severity::Error, &id));
+            }
+        }
+    }
+
+    fn place_wires<'a>(
+        &mut self,
+        (n, p): (usize, usize),
+        wires: &'a Wires,
+        scope: u32,
+        flat: &Flat<'a>,
+        registry: &Registry,
+        shapes: &mut HashMap<Vec<TreeOp>, u32>,
+    ) {
+        let (t, id) = (self.types[self.nodes[n].node_type as usize].clone(), self.ids[n].clone());
+        let port = &t.inputs[p];
+        let from = self.wires.len() as u32;
+        let mut seen = HashSet::new();
+        for source in &wires.from {
+            if wires.from.len() > 1 && !seen.insert(source) {
+                let message = format!("the wire from {source} comes in twice");
+                self.error(n, None, Diagnostic::error("duplicate-wire", message).at(&*id).port(port.name()));
+                continue;
+            }
+            match self.source(flat, scope, source, registry, port, &id) {
+                Ok(slot) => self.wires.push(slot),
+                Err(Some(diagnostic)) => self.error(n, None, diagnostic.at(&*id).port(port.name())),
+                // The source cannot be known: it says so itself and blocks this node.
+                Err(None) => {
+                    let stranger = flat.source(scope, source).ok().and_then(|(path, _)| self.find(&path));
+                    self.strangers.extend(stranger.map(|s| (n as u32, s as u32)));
+                    let message = format!("blocked: \"{}\" is of an unknown type", flat.path(scope, source));
+                    let diagnostic = Diagnostic::error("blocked", message).with_severity(Severity::Note);
+                    self.error(n, None, diagnostic.at(&*id).port(port.name()));
+                    self.nodes[n].sound = false;
+                }
+            }
+        }
+        let to = self.wires.len() as u32;
+        if to > from {
+            let next = shapes.len() as u32;
+            let shape = *shapes.entry(wires.tree.clone()).or_insert(next);
+            if shape == next {
+                self.shapes.push(wires.tree.clone());
+            }
+            let at = self.nodes[n].slots as usize + p;
+            self.slots[at] = Slot::Wires { from, to, shape };
+            // The wire overrules the literal, so the literal's faults do not matter.
+            self.mend(n, p as u32);
+        }
     }
 
     fn unknown_input(&mut self, n: usize, id: &str, name: &str, t: &NodeType) {
@@ -235,8 +326,17 @@ impl Plan {
     }
 
     /// The output slot of `node.port`, if an input of this port can take it; `Err(None)`: its node is of an unknown type.
-    fn source(&self, address: &str, registry: &Registry, port: &Port, id: &str) -> Result<u32, Option<Diagnostic>> {
-        let (name, output) = split_port(address).unwrap_or((address, ""));
+    fn source<'a>(
+        &self,
+        flat: &Flat<'a>,
+        scope: u32,
+        address: &'a str,
+        registry: &Registry,
+        port: &Port,
+        id: &str,
+    ) -> Result<u32, Option<Diagnostic>> {
+        let (name, output) = flat.source(scope, address)?;
+        let (name, address) = (&*name, flat.path(scope, address));
         let Some(n) = self.find(name) else {
             let hint = did_you_mean(name, self.ids.iter().take(10_000).map(|i| &**i));
             let message = format!("the wire comes from \"{address}\", but there is no node \"{name}\"");
@@ -255,69 +355,6 @@ impl Plan {
             return Err(Some(Diagnostic::error("wrong-type", message)));
         }
         Ok(self.nodes[n].outputs + o as u32)
-    }
-
-    fn check_interface(&mut self, document: &Document) {
-        for (name, input) in &document.inputs {
-            for address in &input.ports {
-                match self.find_input(address) {
-                    Err(diagnostic) => self.general.push(in_interface("input", name, diagnostic)),
-                    Ok((n, p)) if matches!(self.slot(n, p), Slot::Wires { .. }) => {
-                        let message = format!("interface input \"{name}\" is bound to {address}, which has a wire");
-                        self.general.push(Diagnostic::error("wired-input", message));
-                    }
-                    Ok(_) => {}
-                }
-            }
-        }
-        for (name, output) in &document.outputs {
-            if let Err(diagnostic) = self.find_output(&output.port) {
-                self.general.push(in_interface("output", name, diagnostic));
-            }
-        }
-    }
-
-    /// The node of that id. O(log n).
-    pub fn find(&self, id: &str) -> Option<usize> {
-        self.ids.binary_search_by(|i| (**i).cmp(id)).ok()
-    }
-
-    fn find_node(&self, address: &str) -> Result<(usize, &Arc<NodeType>, String), Diagnostic> {
-        let Some((id, port)) = split_port(address) else {
-            let message = format!("\"{address}\" is not of the form node.port");
-            return Err(Diagnostic::error("bad-address", message));
-        };
-        let Some(n) = self.find(id) else {
-            let hint = did_you_mean(id, self.ids.iter().take(10_000).map(|i| &**i));
-            return Err(Diagnostic::error("unknown-name", format!("there is no node \"{id}\"")).maybe_hint(hint));
-        };
-        let Some(t) = self.node_type(n) else {
-            let message = format!("the type of node \"{id}\" is not known");
-            return Err(Diagnostic::error("unknown-node", message).at(id));
-        };
-        Ok((n, t, port.to_owned()))
-    }
-
-    /// Node and port index of `node.port` as an input.
-    pub fn find_input(&self, address: &str) -> Result<(usize, usize), Diagnostic> {
-        let (n, t, port) = self.find_node(address)?;
-        let p = t.input_index(&port).ok_or_else(|| {
-            let hint = did_you_mean(&port, t.inputs.iter().map(Port::name));
-            let message = format!("\"{}\" has no input \"{port}\"", t.type_name);
-            Diagnostic::error("unknown-port", message).at(&*self.ids[n]).port(port).maybe_hint(hint)
-        })?;
-        Ok((n, p))
-    }
-
-    /// Node and port index of `node.port` as an output.
-    pub fn find_output(&self, address: &str) -> Result<(usize, usize), Diagnostic> {
-        let (n, t, port) = self.find_node(address)?;
-        let o = t.output_index(&port).ok_or_else(|| {
-            let hint = did_you_mean(&port, t.outputs.iter().map(Port::name));
-            let message = format!("\"{}\" has no output \"{port}\"", t.type_name);
-            Diagnostic::error("unknown-port", message).at(&*self.ids[n]).port(port).maybe_hint(hint)
-        })?;
-        Ok((n, o))
     }
 
     pub fn node_type(&self, n: usize) -> Option<&Arc<NodeType>> {
@@ -392,9 +429,15 @@ impl Plan {
         slots.filter(|(s, p)| **s == Slot::Missing && !p.optional).map(|(_, p)| p.name())
     }
 
-    pub fn missing_diagnostic(id: &str, port: &str) -> Diagnostic {
+    /// A required input of a node without any value.
+    pub fn missing_diagnostic(&self, n: usize, port: &str) -> Diagnostic {
+        let id = &*self.ids[n];
         let message = format!("\"{port}\" has neither a wire nor a value");
-        Diagnostic::error("missing-input", message).at(id).port(port).hint("connect a wire or set the parameter")
+        let hint = match self.entrance(id, port) {
+            Some(outer) => format!("connect a wire to {outer} or set it"),
+            None => "connect a wire or set the parameter".into(),
+        };
+        Diagnostic::error("missing-input", message).at(id).port(port).hint(hint)
     }
 
     fn error(&mut self, n: usize, port: Option<u32>, diagnostic: Diagnostic) {
@@ -412,7 +455,12 @@ impl Plan {
             let node = diagnostic.node.as_ref().filter(|_| diagnostic.severity == Severity::Error);
             match node.and_then(|id| self.find(id)) {
                 Some(n) => self.error(n, None, diagnostic),
-                None => self.general.push(diagnostic),
+                None => {
+                    for n in self.in_instances(&diagnostic) {
+                        self.nodes[n].sound = false;
+                    }
+                    self.general.push(diagnostic);
+                }
             }
         }
     }
@@ -443,7 +491,13 @@ impl Plan {
     }
 }
 
-fn in_interface(kind: &str, name: &str, mut diagnostic: Diagnostic) -> Diagnostic {
-    diagnostic.message = format!("interface {kind} \"{name}\": {}", diagnostic.message);
-    diagnostic
+/// A literal of a file port as seen from the root: paths in a linked file are relative to that file's folder.
+fn in_folder<'a>(port: &Port, json: &'a Json, folder: &str) -> std::borrow::Cow<'a, Json> {
+    use std::borrow::Cow::{Borrowed, Owned};
+    let one = |path: &Json| path.as_str().map_or_else(|| path.clone(), |path| Json::from(join(folder, path)));
+    match json {
+        _ if folder.is_empty() || !port.file => Borrowed(json),
+        Json::Array(paths) => Owned(paths.iter().map(one).collect()),
+        path => Owned(one(path)),
+    }
 }

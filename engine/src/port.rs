@@ -324,7 +324,7 @@ impl Port {
         Ok(Tree::column(column))
     }
 
-    fn is_numeric(&self) -> bool {
+    pub(crate) fn is_numeric(&self) -> bool {
         self.item_type.id == Some(TypeId::of::<f64>()) || self.item_type.id == Some(TypeId::of::<i64>())
     }
 

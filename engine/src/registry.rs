@@ -9,9 +9,10 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
-type Run = Box<dyn Fn(&mut Call<'_>) -> Result<(), Fail> + Send + Sync>;
+type Run = Arc<dyn Fn(&mut Call<'_>) -> Result<(), Fail> + Send + Sync>;
 
 /// What a node does and how it is described; a plain function plus its ports.
+#[derive(Clone)]
 pub struct NodeType {
     pub(crate) type_name: Arc<str>,
     pub(crate) version: u32,
@@ -120,7 +121,7 @@ impl NodeType {
     /// What it does. Must be pure: the same inputs give the same outputs.
     #[must_use]
     pub fn run(mut self, run: impl Fn(&mut Call<'_>) -> Result<(), Fail> + Send + Sync + 'static) -> Self {
-        self.run = Some(Box::new(run));
+        self.run = Some(Arc::new(run));
         self
     }
 
@@ -172,6 +173,29 @@ impl NodeType {
 
     pub(crate) fn output_index(&self, name: &str) -> Option<usize> {
         self.outputs.iter().position(|p| p.name == name)
+    }
+
+    /// The same with narrower ranges at some inputs (by name), as the interface of a cluster gives them. Equal ranges give
+    /// equal digests, so instances share what is remembered. Ranges that would leave nothing are given back.
+    pub(crate) fn narrowed<'a>(&self, ranges: &[(&'a str, f64, f64)]) -> (Self, Vec<&'a str>) {
+        let (mut narrow, mut empty) = (self.clone(), Vec::new());
+        let mut d = Digester::new();
+        d.u128(self.digest);
+        for (name, min, max) in ranges {
+            let Some(port) = narrow.inputs.iter_mut().find(|p| p.name == *name && p.is_numeric()) else { continue };
+            let own = port.range.unwrap_or((f64::MIN, f64::MAX));
+            let (min, max) = (min.max(own.0), max.min(own.1));
+            if min > max {
+                empty.push(*name);
+                continue;
+            }
+            port.range = Some((min, max));
+            d.str(name);
+            d.u64(min.to_bits());
+            d.u64(max.to_bits());
+        }
+        narrow.digest = d.finish();
+        (narrow, empty)
     }
 
     /// The node type as documented JSON (`tenon nodes --json`).

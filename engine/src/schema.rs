@@ -1,6 +1,7 @@
 //! The JSON Schema (draft 2020-12) of the graph file, for editors that complete and for programs that make graphs.
 //! It says what the loader accepts of the file's form, and with a registry also which parameters and inputs there are.
 
+use crate::document::cluster::PREFIX;
 use crate::document::model::TreeOp;
 use crate::document::{DEPTH_LIMIT, NodeState};
 use crate::evaluate::matching::Matching;
@@ -65,6 +66,16 @@ fn build(registry: Option<&Registry>) -> Json {
         }),
     );
     defs.insert("interface".into(), interface());
+    defs.insert("cluster".into(), cluster());
+    defs.insert(
+        "nodes".into(),
+        json!({
+            "description": "The nodes by id.",
+            "type": "object",
+            "propertyNames": { "pattern": ID },
+            "additionalProperties": { "$ref": "#/$defs/node" },
+        }),
+    );
     defs.insert("node".into(), node(registry));
     for node_type in registry.into_iter().flat_map(Registry::iter) {
         // Apart from the names above, whatever a node type is called.
@@ -83,16 +94,50 @@ fn build(registry: Option<&Registry>) -> Json {
             "units": { "const": "mm" },
             "requires": { "type": "object", "description": "Plugins that the graph needs." },
             "interface": { "$ref": "#/$defs/interface" },
-            "nodes": {
-                "description": "The nodes by id.",
-                "type": "object",
-                "propertyNames": { "pattern": ID },
-                "additionalProperties": { "$ref": "#/$defs/node" },
-            },
+            "nodes": { "$ref": "#/$defs/nodes" },
             "groups": { "type": "object", "description": "Named groups of nodes." },
+            "clusters": {
+                "description": "Graphs that nodes of type cluster:NAME are instances of, by name.",
+                "type": "object",
+                "additionalProperties": { "$ref": "#/$defs/cluster" },
+            },
             "x": { "description": "Data of other programs, kept byte for byte." },
         },
         "$defs": defs,
+    })
+}
+
+/// A definition in the file, or a link to another file.
+fn cluster() -> Json {
+    json!({
+        "type": "object",
+        "if": { "required": ["file"] },
+        "then": {
+            "description": "A cluster that is another graph's file.",
+            "properties": {
+                "file": { "type": "string", "description": "Path of the graph, relative to this file." },
+                "version": {
+                    "type": "integer",
+                    "minimum": 1,
+                    "maximum": u32::MAX,
+                    "description": "The version that the file's interface must have.",
+                },
+                "digest": { "type": "string", "description": "The digest that the file's content must have." },
+                "nodes": false,
+                "interface": false,
+            },
+        },
+        "else": {
+            "description": "A cluster that stands in this file.",
+            "properties": {
+                "requires": { "type": "object" },
+                "interface": { "$ref": "#/$defs/interface" },
+                "nodes": { "$ref": "#/$defs/nodes" },
+                "groups": { "type": "object", "description": "Named groups of nodes." },
+                "clusters": false,
+                "x": { "description": "Data of other programs, kept byte for byte." },
+            },
+        },
     })
 }
 
@@ -102,6 +147,13 @@ fn interface() -> Json {
         "description": "What a person, a script or a host sees of the graph.",
         "type": "object",
         "properties": {
+            "version": {
+                "type": "integer",
+                "minimum": 1,
+                "maximum": u32::MAX,
+                "description": "Raised when instances of this graph as a cluster would mean something else; 1 if not said.",
+            },
+            "doc": text("What the graph does, for those who use it as a cluster."),
             "inputs": {
                 "type": "object",
                 "additionalProperties": {
@@ -159,7 +211,10 @@ fn node(registry: Option<&Registry>) -> Json {
     });
     if let Some(registry) = registry {
         let names: Vec<&str> = registry.iter().map(|t| t.type_name()).collect();
-        node["properties"]["type"] = json!({ "enum": names, "description": "The node type." });
+        node["properties"]["type"] = json!({
+            "description": "The node type.",
+            "anyOf": [{ "enum": names }, { "pattern": format!("^{PREFIX}") }],
+        });
         node["allOf"] = names
             .iter()
             .map(|name| {
@@ -254,7 +309,7 @@ mod tests {
         let mut registry = Registry::new();
         registry.register(NodeType::new("t", 1).input(Port::item::<f64>("x")).run(|_| Ok(()))).unwrap();
         let narrow = schema_with_nodes(&registry);
-        assert_eq!(narrow["$defs"]["node"]["properties"]["type"]["enum"], json!(["t"]));
+        assert_eq!(narrow["$defs"]["node"]["properties"]["type"]["anyOf"][0]["enum"], json!(["t"]));
         assert_eq!(narrow["$defs"]["node.t"]["properties"]["params"]["additionalProperties"], false);
         assert!(schema()["$defs"]["node"].get("allOf").is_none());
     }

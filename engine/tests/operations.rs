@@ -22,7 +22,7 @@ fn address() -> impl Strategy<Value = String> {
 }
 
 fn type_name() -> impl Strategy<Value = &'static str> {
-    prop_oneof![Just("number"), Just("add"), Just("floor"), Just("plugin/unknown")]
+    prop_oneof![Just("number"), Just("add"), Just("floor"), Just("plugin/unknown"), Just("cluster:k")]
 }
 
 /// A file's JSON with everything in it that a file can have.
@@ -43,12 +43,25 @@ fn any_file() -> impl Strategy<Value = Json> {
                     node["match"] = "cross".into();
                 }
                 node
-            });
+            })
+            .boxed();
+    let cluster = (btree_map(id(), node.clone(), 0..3), address(), any_json(), 0usize..4);
+    let cluster = cluster.prop_map(|(nodes, port, later, kind)| match kind {
+        0 => json!({"file": "k.tenon.json", "version": 2, "later": later}),
+        1 => json!({"nodes": nodes, "x": later, "later": later}),
+        _ => json!({
+            "nodes": nodes,
+            "groups": {"g": {"nodes": ["a"]}},
+            "interface": {"inputs": {"i": {"port": port, "max": 3}}, "outputs": {"o": {"port": port}}, "version": 2},
+        }),
+    });
+    let clusters = btree_map("[kl]", cluster, 0..2);
     let groups = btree_map("[gh]", vec(id(), 0..3).prop_map(|nodes| json!({"nodes": nodes, "colour": 3})), 0..2);
     let inputs = btree_map("[ij]", vec(address(), 1..3), 0..2);
     let outputs = btree_map("[op]", address(), 0..2);
     let rest = (proptest::option::of(any_json()), proptest::option::of(any_json()), any_json());
-    (btree_map(id(), node, 0..5), groups, inputs, outputs, rest).prop_map(|(nodes, groups, inputs, outputs, rest)| {
+    let all = (btree_map(id(), node, 0..5), groups, inputs, outputs, rest, clusters);
+    all.prop_map(|(nodes, groups, inputs, outputs, rest, clusters)| {
         let inputs: serde_json::Map<String, Json> =
             inputs.into_iter().map(|(n, ports)| (n, json!({"port": ports, "min": -0.0, "later": [1]}))).collect();
         let outputs: serde_json::Map<String, Json> =
@@ -56,6 +69,7 @@ fn any_file() -> impl Strategy<Value = Json> {
         let interface = json!({"inputs": inputs, "outputs": outputs, "later": rest.2});
         let mut file = json!({"format": "tenon", "nodes": nodes, "groups": groups, "interface": interface});
         file["requires"] = json!({"plugin": rest.2});
+        file["clusters"] = json!(clusters);
         if let Some(x) = rest.0 {
             file["x"] = x;
         }
@@ -69,13 +83,15 @@ fn any_file() -> impl Strategy<Value = Json> {
 /// Read from compact text, from text with other spacing, or from canonical text, with some positions.
 fn any_document() -> impl Strategy<Value = Document> {
     let point = (-1e3..1e3f64, -1e3..1e3f64).prop_map(|(x, y)| json!([x, y]));
-    (any_file(), 0usize..3, btree_map(id(), point, 0..4)).prop_map(|(file, spacing, positions)| {
+    let positions = (btree_map(id(), point.clone(), 0..4), btree_map(id(), point, 0..4));
+    (any_file(), 0usize..3, positions).prop_map(|(file, spacing, (positions, inside))| {
         let text = if spacing == 0 { file.to_string() } else { format!("{file:#}") };
         let mut document = read(&text);
         if spacing == 2 {
             document = read(&document.to_string_canonical());
         }
-        let layout = json!({"format": "tenon-layout", "version": 1, "positions": positions}).to_string();
+        let layout = json!({"format": "tenon-layout", "version": 1, "positions": positions, "clusters": {"k": inside}});
+        let layout = layout.to_string();
         document.read_layout(layout.as_bytes()).expect("a layout");
         document
     })
@@ -132,6 +148,23 @@ fn any_operation() -> impl Strategy<Value = Operation> {
             .prop_map(|text| O::SetForeign { text: text.map(str::to_owned) }),
     ];
     let one = prop_oneof![3 => nodes, 2 => wires, 3 => fields, 2 => whole].boxed();
+    let inside = prop_oneof![3 => one.clone(), 1 => vec(one.clone(), 0..3).prop_map(O::All)];
+    let inside = ("[kl]", inside).prop_map(|(name, o)| O::InCluster { name, operation: Box::new(o) });
+    let cluster = ("[kl]", any_file(), 0usize..4).prop_map(|(name, file, kind)| {
+        let cluster = match kind {
+            0 => None,
+            1 => Some(Cluster::File(Link::new("l.tenon.json"))),
+            _ => {
+                let mut body = read(&file.to_string());
+                if kind == 2 {
+                    body.clusters.clear();
+                }
+                Some(Cluster::Here(Box::new(body)))
+            }
+        };
+        O::SetCluster { name, cluster: cluster.map(Box::new) }
+    });
+    let one = prop_oneof![4 => one, 2 => inside, 1 => cluster].boxed();
     prop_oneof![4 => one.clone(), 1 => vec(one, 0..4).prop_map(O::All)]
 }
 

@@ -50,6 +50,12 @@ def change(graph, path, value):
         (["nodes", "map", "inputs", "panels", "tree"], ["prune"]),
         (["nodes", "a.b"], {"type": "map"}),
         (["interface", "outputs", "boards"], {"doc": "without a port"}),
+        (["interface", "version"], 0),
+        (["clusters", "strip"], {"file": 3}),
+        (["clusters", "strip"], {"file": "strip.tenon.json", "version": 0}),
+        (["clusters", "strip"], {"file": "strip.tenon.json", "nodes": {}}),
+        (["clusters", "strip"], {"clusters": {}}),
+        (["clusters", "strip", "nodes", "a.b"], {"type": "map"}),
     ],
     ids=lambda v: ".".join(v) if isinstance(v, list) else None,
 )
@@ -75,7 +81,7 @@ def test_what_the_program_refuses_the_schema_refuses(schema, tenon, tmp_path, pa
 )
 def test_what_the_installed_nodes_do_not_know(schema, tenon, tmp_path, path, value):
     graph = change(json.loads((ROOT / "graphs/shell-256/shell-256.tenon.json").read_text()), path, value)
-    narrow = "enum" in schema.schema["$defs"]["node"]["properties"]["type"]
+    narrow = "anyOf" in schema.schema["$defs"]["node"]["properties"]["type"]
     assert (errors(schema, graph) != []) == narrow
     file = tmp_path / "wrong.tenon.json"
     file.write_text(json.dumps(graph))

@@ -46,7 +46,9 @@ pub fn digest(document: &Document) -> u128 {
 /// Writes the plan of all combinations; every value has been accepted by its input before.
 /// O(rows × inputs).
 pub fn make(args: &SweepPlanArgs) -> Result<End, Wrong> {
-    let (file, document) = graph::load(&args.graph)?;
+    let (file, mut document) = graph::load(&args.graph)?;
+    let host = graph::Files::new(&file, HashSet::new());
+    document.read_links(&host);
     let registry = Arc::new(tenon_nodes::registry());
     let mut faults = document.validate(&registry);
     faults.retain(|d| d.severity == Severity::Error);
@@ -54,7 +56,7 @@ pub fn make(args: &SweepPlanArgs) -> Result<End, Wrong> {
         return Err(Wrong::new("no-graph", format!("{} has errors", file.display())).because(faults));
     }
     let digest = digest(&document);
-    let mut session = Session::new(registry, document, Options::default());
+    let mut session = Session::new(registry, document, Options { host: Arc::new(host), ..Options::default() });
     let mut axes: Vec<(&str, Vec<Json>)> = Vec::new();
     for text in &args.set {
         let (name, text) = parse_set(text)?;

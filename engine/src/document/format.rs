@@ -1,6 +1,7 @@
 //! Writing the file in its one canonical form: keys sorted, two spaces, one node per block, shortest floats that read
 //! back the same, a newline at the end. What nobody here understands is written as it was read.
 
+use super::cluster::{Cluster, Link};
 use super::model::{Document, InterfaceInput, InterfaceOutput, Node, NodeState, Wires};
 use crate::registry::Registry;
 use crate::value::Json;
@@ -24,48 +25,77 @@ impl Document {
     /// The file's text; nodes whose type `registry` does not know are kept byte for byte. O(n log n).
     #[must_use]
     pub fn to_string_canonical_for(&self, registry: &Registry) -> String {
-        self.write(&|node| registry.get(&node.type_name).is_some())
+        self.write(&|node| node.cluster().is_some() || registry.get(&node.type_name).is_some())
     }
 
     fn write(&self, known: &dyn Fn(&Node) -> bool) -> String {
-        let mut top = Block::new();
-        for (key, value) in &self.extra {
-            top.insert(key.clone(), value_text(value, 1));
-        }
+        let mut top = self.content(0, known);
         top.insert("format".into(), "\"tenon\"".into());
         top.insert("version".into(), "1".into());
         top.insert("units".into(), "\"mm\"".into());
+        if !self.clusters.is_empty() {
+            let clusters = self.clusters.iter().map(|(name, cluster)| (name.clone(), cluster_text(cluster, known)));
+            top.insert("clusters".into(), block_text(&clusters.collect(), 1));
+        }
+        let mut text = block_text(&top, 0);
+        text.push('\n');
+        text
+    }
+
+    /// What the top of a file and a cluster have in common; `depth` is that of the braces around it.
+    fn content(&self, depth: usize, known: &dyn Fn(&Node) -> bool) -> Block {
+        let mut top = Block::new();
+        for (key, value) in &self.extra {
+            top.insert(key.clone(), value_text(value, depth + 1));
+        }
         if !self.requires.is_empty() {
-            top.insert("requires".into(), map_text(&self.requires, 1));
+            top.insert("requires".into(), map_text(&self.requires, depth + 1));
         }
         if !self.groups.is_empty() {
-            top.insert("groups".into(), map_text(&self.groups, 1));
+            top.insert("groups".into(), map_text(&self.groups, depth + 1));
         }
         if let Some(x) = &self.foreign {
             top.insert("x".into(), x.to_string());
         }
         if !(self.inputs.is_empty() && self.outputs.is_empty() && self.interface_extra.is_empty()) {
             let mut interface: Block =
-                self.interface_extra.iter().map(|(k, v)| (k.clone(), value_text(v, 2))).collect();
-            let inputs: Block = self.inputs.iter().map(|(k, v)| (k.clone(), input_text(v))).collect();
-            let outputs: Block = self.outputs.iter().map(|(k, v)| (k.clone(), output_text(v))).collect();
+                self.interface_extra.iter().map(|(k, v)| (k.clone(), value_text(v, depth + 2))).collect();
+            let inputs: Block = self.inputs.iter().map(|(k, v)| (k.clone(), input_text(v, depth + 3))).collect();
+            let outputs: Block = self.outputs.iter().map(|(k, v)| (k.clone(), output_text(v, depth + 3))).collect();
             if !inputs.is_empty() {
-                interface.insert("inputs".into(), block_text(&inputs, 2));
+                interface.insert("inputs".into(), block_text(&inputs, depth + 2));
             }
             if !outputs.is_empty() {
-                interface.insert("outputs".into(), block_text(&outputs, 2));
+                interface.insert("outputs".into(), block_text(&outputs, depth + 2));
             }
-            top.insert("interface".into(), block_text(&interface, 1));
+            top.insert("interface".into(), block_text(&interface, depth + 1));
         }
         let nodes = self.nodes.iter().map(|(id, node)| match &node.raw.0 {
             Some(raw) if !known(node) => (id.clone(), raw.to_string()),
-            _ => (id.clone(), node_text(node)),
+            _ => (id.clone(), node_text(node, depth)),
         });
-        top.insert("nodes".into(), block_text(&nodes.collect(), 1));
-        let mut text = block_text(&top, 0);
-        text.push('\n');
-        text
+        top.insert("nodes".into(), block_text(&nodes.collect(), depth + 1));
+        top
     }
+}
+
+fn cluster_text(cluster: &Cluster, known: &dyn Fn(&Node) -> bool) -> String {
+    match cluster {
+        Cluster::Here(body) => block_text(&body.content(2, known), 2),
+        Cluster::File(link) => link_text(link),
+    }
+}
+
+pub(crate) fn link_text(link: &Link) -> String {
+    let mut map = link.extra.clone();
+    map.insert("file".into(), Json::from(link.file.as_str()));
+    if let Some(version) = link.version {
+        map.insert("version".into(), Json::from(version));
+    }
+    if let Some(digest) = &link.digest {
+        map.insert("digest".into(), Json::from(digest.as_str()));
+    }
+    map_text(&map, 2)
 }
 
 fn quoted(text: &str) -> String {
@@ -76,7 +106,7 @@ fn texts(list: &[String]) -> Json {
     Json::from(list.to_vec())
 }
 
-pub(crate) fn input_text(input: &InterfaceInput) -> String {
+pub(crate) fn input_text(input: &InterfaceInput, depth: usize) -> String {
     let mut map = input.extra.clone();
     let port = if let [one] = input.ports.as_slice() { Json::from(one.as_str()) } else { texts(&input.ports) };
     map.insert("port".into(), port);
@@ -85,10 +115,10 @@ pub(crate) fn input_text(input: &InterfaceInput) -> String {
     put("min", input.min.map(Json::from));
     put("max", input.max.map(Json::from));
     put("doc", input.doc.clone().map(Json::from));
-    map_text(&map, 3)
+    map_text(&map, depth)
 }
 
-pub(crate) fn output_text(output: &InterfaceOutput) -> String {
+pub(crate) fn output_text(output: &InterfaceOutput, depth: usize) -> String {
     let mut map = output.extra.clone();
     map.insert("port".into(), Json::from(output.port.as_str()));
     if let Some(unit) = &output.unit {
@@ -97,20 +127,21 @@ pub(crate) fn output_text(output: &InterfaceOutput) -> String {
     if let Some(doc) = &output.doc {
         map.insert("doc".into(), Json::from(doc.as_str()));
     }
-    map_text(&map, 3)
+    map_text(&map, depth)
 }
 
-pub(crate) fn node_text(node: &Node) -> String {
-    let mut block: Block = node.extra.iter().map(|(k, v)| (k.clone(), value_text(v, 3))).collect();
+/// A node of the document whose braces stand at `depth`: 0, or 2 for a cluster.
+pub(crate) fn node_text(node: &Node, depth: usize) -> String {
+    let mut block: Block = node.extra.iter().map(|(k, v)| (k.clone(), value_text(v, depth + 3))).collect();
     block.insert("type".into(), quoted(&node.type_name));
     block.insert("v".into(), node.version.to_string());
     if !node.params.is_empty() {
-        let params: Block = node.params.iter().map(|(k, v)| (k.clone(), value_text(v, 4))).collect();
-        block.insert("params".into(), block_text(&params, 3));
+        let params: Block = node.params.iter().map(|(k, v)| (k.clone(), value_text(v, depth + 4))).collect();
+        block.insert("params".into(), block_text(&params, depth + 3));
     }
     if !node.inputs.is_empty() {
-        let inputs: Block = node.inputs.iter().map(|(k, v)| (k.clone(), wires_text(v))).collect();
-        block.insert("inputs".into(), block_text(&inputs, 3));
+        let inputs: Block = node.inputs.iter().map(|(k, v)| (k.clone(), wires_text(v, depth + 4))).collect();
+        block.insert("inputs".into(), block_text(&inputs, depth + 3));
     }
     if let Some(matching) = node.matching {
         block.insert("match".into(), quoted(matching.as_str()));
@@ -121,10 +152,10 @@ pub(crate) fn node_text(node: &Node) -> String {
     if let Some(note) = &node.note {
         block.insert("note".into(), quoted(note));
     }
-    block_text(&block, 2)
+    block_text(&block, depth + 2)
 }
 
-fn wires_text(wires: &Wires) -> String {
+fn wires_text(wires: &Wires, depth: usize) -> String {
     let mut map = wires.extra.clone();
     map.insert("from".into(), texts(&wires.from));
     if !wires.tree.is_empty() {
@@ -133,7 +164,7 @@ fn wires_text(wires: &Wires) -> String {
     if let Some(matching) = wires.matching {
         map.insert("match".into(), Json::from(matching.as_str()));
     }
-    map_text(&map, 4)
+    map_text(&map, depth)
 }
 
 /// One key per line.

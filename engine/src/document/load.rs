@@ -1,6 +1,7 @@
 //! Reading the file. Size and nesting are looked at before anything is parsed, so that garbage costs no memory and
 //! no stack; every refusal says line and column.
 
+use super::cluster::{Cluster, Link, is_version};
 use super::fields::Fields;
 use super::model::{
     Document, InterfaceInput, InterfaceOutput, Node, NodeState, Raw, TreeOp, Wires, split_port, valid_id,
@@ -148,9 +149,10 @@ pub(crate) fn read_node(text: &str) -> Option<Node> {
     loader.errors.is_empty().then_some(node)
 }
 
-/// Whether a text can stand in a file as the value of `x`: one JSON value, not nested too deep. O(n).
-pub(crate) fn check_foreign(text: &str) -> Result<(), Diagnostic> {
-    look_ahead(format!("{{\"x\":{text}}}").as_bytes())?;
+/// Whether a text can stand in a file as the value of `x`, so many levels down: one JSON value, not nested too deep. O(n).
+pub(crate) fn check_foreign(text: &str, above: usize) -> Result<(), Diagnostic> {
+    let (open, close) = ("[".repeat(above), "]".repeat(above));
+    look_ahead(format!("{open}{{\"x\":{text}}}{close}").as_bytes())?;
     serde_json::from_str::<serde::de::IgnoredAny>(text).map(|_| ()).map_err(|e| syntax(&e))
 }
 
@@ -291,6 +293,45 @@ impl<'a> Loader<'a> {
         {
             self.error(text, format!("units are \"{units}\"; a graph's lengths are in \"mm\""));
         }
+        let clusters = top.remove("clusters");
+        let mut document = self.content(top);
+        if let Some(raw) = clusters {
+            for (name, raw) in self.object(raw.get(), "\"clusters\"") {
+                let cluster = self.cluster(&name, raw);
+                document.clusters.insert(name, cluster);
+            }
+        }
+        document
+    }
+
+    fn cluster(&mut self, name: &str, raw: &'a RawValue) -> Cluster {
+        let what = format!("cluster \"{name}\"");
+        let mut map = self.object(raw.get(), &what);
+        let Some(file) = self.text(&mut map, "file", &what) else {
+            if let Some(clusters) = map.get("clusters") {
+                let message = format!("{what} has clusters of its own; they stand at the top of the file");
+                self.error(clusters.get(), message);
+            }
+            return Cluster::Here(Box::new(self.content(map)));
+        };
+        for key in ["nodes", "interface"] {
+            if let Some(raw) = map.get(key) {
+                self.error(raw.get(), format!("{what} is in a file, so it cannot have \"{key}\" here"));
+            }
+        }
+        let version = map.remove("version").and_then(|raw| {
+            let json = self.json(raw);
+            if !is_version(&json) {
+                self.error(raw.get(), format!("\"version\" of {what} must be a whole number from 1, not {json}"));
+            }
+            json.as_u64().and_then(|v| u32::try_from(v).ok())
+        });
+        let digest = self.text(&mut map, "digest", &what);
+        Cluster::File(Link { file, version, digest, extra: self.rest(map) })
+    }
+
+    /// What the top of a file and a cluster have in common; keys that are left are kept.
+    fn content(&mut self, mut top: Map<'a>) -> Document {
         let mut document = Document::default();
         if let Some(raw) = top.remove("requires") {
             let map = self.object(raw.get(), "\"requires\"");
@@ -357,6 +398,20 @@ impl<'a> Loader<'a> {
                 let extra = self.rest(map);
                 document.outputs.insert(name, InterfaceOutput { port: port.unwrap_or_default(), unit, doc, extra });
             }
+        }
+        if let Some(raw) = map.get("version") {
+            let json = self.json(raw);
+            if !is_version(&json) {
+                self.error(
+                    raw.get(),
+                    format!("\"version\" of the interface must be a whole number from 1, not {json}"),
+                );
+            }
+        }
+        if let Some(raw) = map.get("doc")
+            && !self.json(raw).is_string()
+        {
+            self.error(raw.get(), "\"doc\" of the interface must be text");
         }
         document.interface_extra = self.rest(map);
     }

@@ -1,5 +1,6 @@
 //! The document in memory. Everything that the file says is kept, also what this version does not understand.
 
+use super::cluster::{Cluster, Linked};
 use super::fields::Fields;
 use super::layout::Layout;
 use crate::diagnostic::Diagnostic;
@@ -20,6 +21,9 @@ pub struct Document {
     pub requires: BTreeMap<String, Json>,
     /// Groups, as the file says it.
     pub groups: BTreeMap<String, Json>,
+    /// What nodes of type `cluster:NAME` are instances of.
+    pub clusters: BTreeMap<String, Cluster>,
+    pub(crate) linked: Linked,
     /// Foreign data, byte for byte.
     pub(crate) foreign: Option<Arc<str>>,
     /// Top-level keys that this version does not know.
@@ -75,6 +79,13 @@ pub enum NodeState {
 
 impl NodeState {
     pub(crate) const ALL: [Self; 4] = [Self::On, Self::Frozen, Self::Disabled, Self::Bypassed];
+
+    /// The state of a node inside an instance of this state: the stronger of both.
+    #[must_use]
+    pub fn within(self, outer: Self) -> Self {
+        let strongest = [Self::Disabled, Self::Frozen, Self::Bypassed];
+        strongest.into_iter().find(|state| self == *state || outer == *state).unwrap_or(Self::On)
+    }
 
     /// Its name in the file.
     #[must_use]

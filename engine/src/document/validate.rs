@@ -24,7 +24,7 @@ impl Document {
         for n in 0..plan.nodes.len() {
             all.extend(plan.errors(n).cloned());
             if plan.is_sound(n) {
-                all.extend(plan.missing(n).map(|port| Plan::missing_diagnostic(&plan.ids[n], port)));
+                all.extend(plan.missing(n).map(|port| plan.missing_diagnostic(n, port)));
             }
         }
         all

@@ -7,8 +7,8 @@ use super::report::{Event, Happened, NodeReport};
 use super::session::{NodeRun, Session, Status};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::document::model::NodeState;
-use crate::plan::Plan;
 use crate::value::Tree;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -200,10 +200,13 @@ impl Session {
         nodes.extend(self.plan.nodes_with_errors().map(|n| n as u32));
         nodes.sort_unstable();
         nodes.dedup();
+        // No wire leads to nodes of unknown types, so they are not among what is needed.
+        let strangers = self.plan.strangers.iter().filter(|(n, _)| self.nodes[*n as usize].needed);
+        let strangers: BTreeSet<u32> = strangers.map(|(_, stranger)| *stranger).collect();
         for n in nodes {
             let i = n as usize;
             let run = &self.nodes[i];
-            if !run.needed || self.plan.nodes[i].state == NodeState::Disabled {
+            if !(run.needed || strangers.contains(&n)) || self.plan.nodes[i].state == NodeState::Disabled {
                 continue;
             }
             let id = &self.plan.ids[i];
@@ -211,7 +214,7 @@ impl Session {
             diagnostics
                 .extend(run.reports.iter().flat_map(|r| r.iter()).map(|(severity, fail)| fail.at(*severity, id)));
             if run.status == Status::Failed && self.plan.is_sound(i) {
-                diagnostics.extend(self.plan.missing(i).map(|port| Plan::missing_diagnostic(id, port)));
+                diagnostics.extend(self.plan.missing(i).map(|port| self.plan.missing_diagnostic(i, port)));
             }
             if run.status == Status::Blocked && run.blocked_by != n {
                 let by = run.blocked_by as usize;

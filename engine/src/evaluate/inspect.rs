@@ -24,6 +24,14 @@ impl Session {
         Ok(self.plan.wire_sources(from, to).iter().map(address).collect())
     }
 
+    /// `node.port` of everything that writers give, in order of nodes; those inside clusters too.
+    #[must_use]
+    pub fn writers(&self) -> Vec<String> {
+        let writers =
+            (0..self.plan.nodes.len()).filter_map(|n| Some((n, self.plan.node_type(n)?))).filter(|(_, t)| t.writer);
+        writers.flat_map(|(n, t)| t.outputs.iter().map(move |p| format!("{}.{}", self.plan.ids[n], p.name()))).collect()
+    }
+
     /// The value that the node would see at the input `name`: wires joined, converted and shaped, else the literal,
     /// else the default. `None` if the port has none of them, or if one of its sources has no value.
     ///

@@ -5,7 +5,7 @@ use super::matching::Matching;
 use super::queue::Queue;
 use super::report::Event;
 use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
-use crate::document::model::{Document, InterfaceInput, NodeState};
+use crate::document::model::{Document, InterfaceInput, NodeState, split_port};
 use crate::document::operations::Operation;
 use crate::plan::{Plan, Slot};
 use crate::registry::Registry;
@@ -134,6 +134,7 @@ impl Session {
     /// Nodes of older versions are migrated. O(nodes + wires).
     #[must_use]
     pub fn new(registry: Arc<Registry>, mut document: Document, options: Options) -> Self {
+        document.read_links(&*options.host);
         let told = document.migrate(&registry);
         let mut plan = Plan::compile(&document, &registry);
         plan.add(told);
@@ -192,6 +193,7 @@ impl Session {
     /// Exchanges the document; remembered results stay, so only what is new runs, and frozen nodes keep their outputs.
     /// O(nodes + wires).
     pub fn replace(&mut self, mut document: Document) {
+        document.read_links(&*self.options.host);
         let told = document.migrate(&self.registry);
         let mut plan = Plan::compile(&document, &self.registry);
         plan.add(told);
@@ -202,7 +204,7 @@ impl Session {
         for n in 0..self.plan.nodes.len() {
             let Some(o) = old_plan.find(&self.plan.ids[n]) else { continue };
             let (new, old) = (&self.plan.nodes[n], &old_plan.nodes[o]);
-            let same = self.plan.node_type(n).zip(old_plan.node_type(o)).is_some_and(|(a, b)| Arc::ptr_eq(a, b));
+            let same = self.plan.node_type(n).zip(old_plan.node_type(o)).is_some_and(|(a, b)| a.digest == b.digest);
             if new.state == NodeState::Frozen
                 && old.state != NodeState::Bypassed
                 && same
@@ -219,61 +221,105 @@ impl Session {
         }
     }
 
+    /// Looks again at the files that clusters are linked from; true if one of them has changed, so that the plan was made
+    /// anew. O(bytes of linked files), and as [`Session::replace`] if so.
+    pub fn refresh_links(&mut self) -> bool {
+        let before = self.document.linked.clone();
+        self.document.read_links(&*self.options.host);
+        let changed = before.differs(&self.document.linked);
+        if changed {
+            let document = std::mem::take(&mut self.document);
+            self.replace(document);
+        }
+        changed
+    }
+
     /// Sets an interface input or a parameter (`node.port`); `null` brings the default back. Nothing runs yet, so many
     /// can be set at once.
     ///
     /// # Errors
     /// If there is no such name, the port has a wire, or the value is not accepted; then nothing has changed.
     pub fn set(&mut self, name: &str, value: Json) -> Result<(), Diagnostic> {
-        let mut places = Vec::new();
+        let mut addresses = Vec::new();
         if let Some(input) = self.document.inputs.get(name) {
-            for address in &input.ports {
-                places.push(self.plan.find_input(address)?);
-            }
+            addresses.extend(input.ports.iter().map(String::as_str));
         } else if name.contains('.') {
-            places.push(self.plan.find_input(name)?);
+            addresses.push(name);
         } else {
             return Err(no_input(&self.document, name));
         }
-        let mut trees = Vec::with_capacity(places.len());
-        for &(n, p) in &places {
-            let id = &self.plan.ids[n];
-            let Some(t) = self.plan.node_type(n) else { continue };
-            let port = &t.inputs[p];
-            if matches!(self.plan.slot(n, p), Slot::Wires { .. }) {
-                let message = format!("{id}.{} has a wire, which overrules a value", port.name);
-                return Err(Diagnostic::error("wired-input", message).at(&**id).port(port.name()));
+        let mut params = Vec::with_capacity(addresses.len());
+        let mut trees = Vec::with_capacity(addresses.len());
+        for address in addresses {
+            let found = self.plan.find_inputs(address)?;
+            let (id, port) = split_port(address).unwrap_or((address, ""));
+            if !self.document.nodes.contains_key(id) {
+                return Err(self.inside_cluster(id, port));
             }
-            let tree = if value.is_null() {
-                None
-            } else {
-                let tree =
-                    self.plan.literal(&self.document, n, p, &value).map_err(|fail| fail.at(Severity::Error, id))?;
-                if let Some(input) = self.document.inputs.get(name) {
-                    check_range(name, input, &tree)?;
+            params.push((id.to_owned(), port.to_owned()));
+            for (n, p) in found {
+                let id = &self.plan.ids[n];
+                if matches!(self.plan.slot(n, p), Slot::Wires { .. }) {
+                    let message = format!("{id}.{port} has a wire, which overrules a value");
+                    return Err(Diagnostic::error("wired-input", message).at(&**id).port(port));
                 }
-                Some(tree)
-            };
-            trees.push((n, p, port.name().to_owned(), tree));
+                trees.push((n, p, self.checked(name, n, p, &value)?));
+            }
         }
-        for (n, p, port, tree) in trees {
-            self.plan.set_literal(n, p, tree);
-            self.plan.note_formula(n, p, &value);
-            if let Some(node) = self.document.node_mut(&self.plan.ids[n]) {
-                if value.is_null() {
-                    node.params.remove(&port);
-                } else if let Some(old) = node.params.get_mut(&port) {
-                    *old = value.clone();
-                } else {
-                    node.params.insert(port, value.clone());
-                }
+        // Without its value, what stands inside a cluster counts again: that only the definition knows.
+        let anew = value.is_null() && params.iter().any(|(id, _)| self.plan.is_instance(id));
+        for (id, port) in params {
+            let Some(node) = self.document.node_mut(&id) else { continue };
+            if value.is_null() {
+                node.params.remove(&port);
+            } else if let Some(old) = node.params.get_mut(&port) {
+                *old = value.clone();
+            } else {
+                node.params.insert(port, value.clone());
             }
+        }
+        if anew {
+            let document = std::mem::take(&mut self.document);
+            self.replace(document);
+            return Ok(());
+        }
+        self.place(trees, &value);
+        Ok(())
+    }
+
+    /// What a value stands for at a port; none for `null`.
+    fn checked(&self, name: &str, n: usize, p: usize, value: &Json) -> Result<Option<Tree>, Diagnostic> {
+        if value.is_null() {
+            return Ok(None);
+        }
+        let tree = self.plan.literal(&self.document, n, p, value);
+        let tree = tree.map_err(|fail| fail.at(Severity::Error, &self.plan.ids[n]))?;
+        if let Some(input) = self.document.inputs.get(name) {
+            check_range(name, input, &tree)?;
+        }
+        Ok(Some(tree))
+    }
+
+    /// Puts one literal at ports, and formulas that depend on it.
+    fn place(&mut self, trees: Vec<(usize, usize, Option<Tree>)>, value: &Json) {
+        let places: Vec<(usize, usize)> = trees.iter().map(|(n, p, _)| (*n, *p)).collect();
+        for (n, p, tree) in trees {
+            self.plan.set_literal(n, p, tree);
+            self.plan.note_formula(n, p, value);
             self.mark_dirty(n as u32);
         }
         for n in self.plan.renew_formulas(&self.document, &places) {
             self.mark_dirty(n);
         }
-        Ok(())
+    }
+
+    fn inside_cluster(&self, id: &str, port: &str) -> Diagnostic {
+        let message = format!("{id}.{port} is inside a cluster, whose instances share what stands in it");
+        let hint = match self.plan.entrance(id, port) {
+            Some(outer) => format!("set {outer}"),
+            None => "make it an input of the cluster, or change the cluster itself".into(),
+        };
+        Diagnostic::error("inside-cluster", message).at(id).port(port).hint(hint)
     }
 
     /// Changes the document; many operations go in one [`Operation::All`]. Nothing runs yet, and what was computed and is
@@ -284,27 +330,27 @@ impl Session {
     /// If an operation is refused; then nothing has changed.
     pub fn edit(&mut self, operation: &Operation) -> Result<Operation, Diagnostic> {
         let inverse = operation.apply(&mut self.document)?;
-        let unseen = |o: &&Operation| {
-            use Operation as O;
-            !matches!(
+        use Operation as O;
+        let silent = |o: &Operation| {
+            matches!(
                 o,
                 O::Move { .. } | O::SetNote { .. } | O::SetForeign { .. } | O::SetGroup { .. } | O::SetEntry { .. }
             )
         };
-        let params = operation.parts().filter(unseen).map(|o| match o {
-            Operation::SetParam { node, port, value } => self.literal(node, port, value.as_ref()),
+        let seen = |o: &&Operation| match o {
+            O::InCluster { operation, .. } => !operation.parts().all(silent),
+            o => !silent(o),
+        };
+        let params = operation.parts().filter(seen).map(|o| match o {
+            Operation::SetParam { node, port, value } => {
+                self.literals(node, port, value.as_ref()).map(|l| (l, value.clone().unwrap_or_default()))
+            }
             _ => None,
         });
         match params.collect::<Option<Vec<_>>>() {
             Some(params) => {
-                let places: Vec<(usize, usize)> = params.iter().map(|(n, p, _)| (*n, *p)).collect();
-                for (n, p, tree) in params {
-                    self.plan.set_literal(n, p, tree);
-                    self.plan.note_formula(n, p, &Json::Null);
-                    self.mark_dirty(n as u32);
-                }
-                for n in self.plan.renew_formulas(&self.document, &places) {
-                    self.mark_dirty(n);
+                for (trees, value) in params {
+                    self.place(trees, &value);
                 }
             }
             None => {
@@ -316,15 +362,17 @@ impl Session {
     }
 
     /// Where a parameter goes and what it is, if it can be set without compiling the plan anew.
-    fn literal(&self, node: &str, port: &str, value: Option<&Json>) -> Option<(usize, usize, Option<Tree>)> {
-        let n = self.plan.find(node)?;
-        let t = self.plan.node_type(n)?;
-        let p = t.input_index(port)?;
-        if matches!(self.plan.slot(n, p), Slot::Wires { .. }) {
+    fn literals(&self, node: &str, port: &str, value: Option<&Json>) -> Option<Vec<(usize, usize, Option<Tree>)>> {
+        if value.is_none() && self.plan.is_instance(node) {
             return None;
         }
-        let tree = value.map(|v| t.inputs[p].literal(v)).transpose().ok()?;
-        Some((n, p, tree))
+        let places = self.plan.find_inputs(&format!("{node}.{port}")).ok()?;
+        let one = |(n, p): (usize, usize)| {
+            let wired = matches!(self.plan.slot(n, p), Slot::Wires { .. });
+            let tree = value.map(|v| self.plan.node_type(n)?.inputs[p].literal(v).ok());
+            if wired || tree == Some(None) { None } else { Some((n, p, tree.flatten())) }
+        };
+        places.into_iter().map(one).collect()
     }
 
     pub(crate) fn mark_dirty(&mut self, n: u32) {

@@ -186,6 +186,33 @@ impl Expression {
         &self.names
     }
 
+    /// `text`, which this was parsed from, with `of` in the place of every name. O(length).
+    ///
+    /// # Errors
+    /// The first that `of` gives.
+    pub(crate) fn written_with(
+        &self,
+        text: &str,
+        of: &dyn Fn(&str) -> Result<String, String>,
+    ) -> Result<String, String> {
+        let chars: Vec<char> = text.chars().collect();
+        let named = self.steps.iter().filter_map(|(step, column)| match step {
+            Step::Name(i) => Some((*column as usize - 1, self.names.get(*i as usize)?)),
+            _ => None,
+        });
+        let mut places: Vec<(usize, &String)> = named.collect();
+        places.sort_unstable();
+        let (mut out, mut done) = (String::new(), 0);
+        for (at, name) in places {
+            out.extend(chars.get(done..at).into_iter().flatten());
+            out += &of(name)?;
+            let quotes = if chars.get(at) == Some(&'\'') { 2 } else { 0 };
+            done = at + name.chars().count() + quotes;
+        }
+        out.extend(chars.get(done..).into_iter().flatten());
+        Ok(out)
+    }
+
     /// Its value, where `number` gives what a name stands for or says why it stands for nothing. O(length).
     ///
     /// # Errors

@@ -20,7 +20,7 @@ use crate::document::History;
 use crate::document::model::{Document, split_port};
 use crate::document::operations::Operation;
 use crate::evaluate::report::Progress;
-use crate::evaluate::session::{Options, Session, check_range, no_input};
+use crate::evaluate::session::{Host, Options, Session, check_range, no_input};
 use crate::registry::Registry;
 use crate::value::Json;
 use desk::Desk;
@@ -66,6 +66,7 @@ use worker::{Message, Told, Worker};
 pub struct Live {
     registry: Arc<Registry>,
     document: Document,
+    host: Arc<dyn Host>,
     history: History,
     revision: u64,
     locked: bool,
@@ -89,6 +90,7 @@ impl Live {
         options: Options,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> std::io::Result<Self> {
+        let host = options.host.clone();
         let session = Session::new(registry.clone(), document, options);
         let (document, revision) = (session.document().clone(), 1);
         let (desk, progress) = (Arc::new(Desk::new()), Told::default());
@@ -107,7 +109,7 @@ impl Live {
         };
         let thread = std::thread::Builder::new().name("tenon-live".into()).spawn(move || worker.run())?;
         let history = History::default();
-        Ok(Self { registry, document, history, revision, locked: false, progress, desk, thread: Some(thread) })
+        Ok(Self { registry, document, host, history, revision, locked: false, progress, desk, thread: Some(thread) })
     }
 
     /// The document as it stands after the last change, whether evaluated or not.
@@ -152,7 +154,13 @@ impl Live {
     /// Tells the thread of an operation that the document has seen.
     fn applied(&mut self, operation: Operation) -> u64 {
         // The session does the same when it sees new nodes.
-        if operation.parts().any(|o| matches!(o, Operation::AddNode { .. } | Operation::PutNode { .. })) {
+        use Operation as O;
+        if operation.parts().any(|o| matches!(o, O::SetCluster { .. })) {
+            self.document.read_links(&*self.host);
+        }
+        let adds =
+            |o: &O| matches!(o, O::AddNode { .. } | O::PutNode { .. } | O::SetCluster { .. } | O::InCluster { .. });
+        if operation.parts().any(adds) {
             self.document.migrate(&self.registry);
         }
         let revision = self.next_revision();
@@ -199,11 +207,13 @@ impl Live {
                 let message = format!("there is no node \"{id}\"");
                 return Err(Diagnostic::error("unknown-name", message).maybe_hint(hint));
             };
-            let Some(t) = self.registry.get(&node.type_name) else {
-                return Err(Diagnostic::error("unknown-node", format!("the type of node \"{id}\" is not known")).at(id));
-            };
-            let Some(port) = t.inputs().iter().find(|p| p.name() == port_name) else {
-                let hint = did_you_mean(port_name, t.inputs().iter().map(|p| p.name()));
+            let Some(port) = self.document.input_port(&self.registry, address) else {
+                let t = self.registry.get(&node.type_name);
+                if t.is_none() && node.cluster().is_none() {
+                    let message = format!("the type of node \"{id}\" is not known");
+                    return Err(Diagnostic::error("unknown-node", message).at(id));
+                }
+                let hint = t.and_then(|t| did_you_mean(port_name, t.inputs().iter().map(|p| p.name())));
                 let message = format!("\"{}\" has no input \"{port_name}\"", node.type_name);
                 return Err(Diagnostic::error("unknown-port", message).at(id).port(port_name).maybe_hint(hint));
             };

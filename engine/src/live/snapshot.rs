@@ -14,7 +14,7 @@ pub(crate) struct Names {
     ids: Vec<Arc<str>>,
     /// Type and first output slot of each node.
     nodes: Vec<(Option<Arc<NodeType>>, u32)>,
-    /// Output slots of interface outputs.
+    /// Output slots of interface outputs and of outputs of instances.
     outputs: BTreeMap<String, u32>,
 }
 
@@ -103,11 +103,12 @@ impl Session {
             let (n, o) = self.plan.find_output(address).ok()?;
             Some(self.plan.nodes[n].outputs + o as u32)
         };
-        let outputs = self.document.outputs.iter();
+        let outputs = self.document.outputs.iter().map(|(name, output)| (name.clone(), output.port.clone()));
+        let outputs = outputs.chain(self.plan.instance_outputs().map(|address| (address.clone(), address)));
         Names {
             ids: self.plan.ids.clone(),
             nodes: (0..self.plan.nodes.len()).map(node).collect(),
-            outputs: outputs.filter_map(|(name, output)| Some((name.clone(), slot(&output.port)?))).collect(),
+            outputs: outputs.filter_map(|(name, address)| Some((name, slot(&address)?))).collect(),
         }
     }
 }

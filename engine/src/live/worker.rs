@@ -78,7 +78,10 @@ impl Worker {
             }
             Message::Goals { revision, goals } => (self.revision, self.due, self.goals) = (revision, true, goals),
             Message::Lock(on) => self.locked = on,
-            Message::Now => (self.due, self.now) = (true, true),
+            Message::Now => {
+                self.session.refresh_links();
+                (self.due, self.now) = (true, true);
+            }
             Message::Cancel => (self.due, self.now) = (false, false),
         }
     }

@@ -4,19 +4,23 @@
 use super::super::format::node_text;
 use super::super::load::{DEPTH_LIMIT, check_foreign, read_node};
 use super::super::model::{Document, InterfaceInput, InterfaceOutput, Node, Raw, Wires, split_port, valid_id};
+use super::cluster::{CLUSTER_KEYS, check_interface_key};
 use super::{Operation, Table};
 use crate::diagnostic::{Diagnostic, did_you_mean};
 use crate::value::Json;
 use std::collections::BTreeMap;
 
 /// A document under change, and what takes the changes back, the last first.
-struct Edit<'a> {
-    document: &'a mut Document,
-    undo: Vec<Operation>,
+pub(super) struct Edit<'a> {
+    pub document: &'a mut Document,
+    pub undo: Vec<Operation>,
+    /// Levels of braces in the file around the document: 0, or 2 for a cluster.
+    pub above: usize,
 }
 
-pub(super) fn apply(operation: &Operation, document: &mut Document) -> Result<Operation, Diagnostic> {
-    let mut edit = Edit { document, undo: Vec::new() };
+/// Applies an operation to a document that stands so many levels down in its file.
+pub(super) fn apply_at(operation: &Operation, document: &mut Document, above: usize) -> Result<Operation, Diagnostic> {
+    let mut edit = Edit { document, undo: Vec::new(), above };
     for part in operation.parts() {
         if let Err(diagnostic) = edit.part(part) {
             let undo = std::mem::take(&mut edit.undo);
@@ -33,7 +37,7 @@ pub(super) fn apply(operation: &Operation, document: &mut Document) -> Result<Op
     Ok(one.unwrap_or(Operation::All(edit.undo)))
 }
 
-fn refuse<T>(code: &'static str, message: String) -> Result<T, Diagnostic> {
+pub(super) fn refuse<T>(code: &'static str, message: String) -> Result<T, Diagnostic> {
     Err(Diagnostic::error(code, message))
 }
 
@@ -89,10 +93,12 @@ impl Edit<'_> {
                 Ok(())
             }
             Operation::SetEntry { table, key, value } => self.set_entry(*table, key, value.as_ref()),
+            Operation::SetCluster { name, cluster } => self.set_cluster(name, cluster.as_deref()),
+            Operation::InCluster { name, operation } => self.in_cluster(name, operation),
             Operation::SetForeign { text } => {
                 let text = text.as_deref().map(str::trim);
                 if let Some(text) = text {
-                    check_foreign(text)?;
+                    check_foreign(text, self.above)?;
                 }
                 let old = std::mem::replace(&mut self.document.foreign, text.map(Into::into));
                 self.undo.push(Operation::SetForeign { text: old.map(|t| t.to_string()) });
@@ -138,7 +144,7 @@ impl Edit<'_> {
         if node.version == 0 {
             return refuse("bad-version", format!("\"v\" of node \"{id}\" must be a whole number from 1, not 0"));
         }
-        node.params.values().try_for_each(|v| check_depth(v, 4))?;
+        node.params.values().try_for_each(|v| check_depth(v, 4 + self.above))?;
         node.inputs.values().try_for_each(check_wires)?;
         let mut node = node.clone();
         node.check_source();
@@ -157,7 +163,7 @@ impl Edit<'_> {
 
     fn set_param(&mut self, id: &str, port: &str, value: Option<&Json>) -> Result<(), Diagnostic> {
         self.known(id)?;
-        value.map_or(Ok(()), |v| check_depth(v, 4))?;
+        value.map_or(Ok(()), |v| check_depth(v, 4 + self.above))?;
         let put = |node: &mut Node| match value {
             Some(value) => node.params.insert(port, value.clone()),
             None => node.params.remove(port),
@@ -323,14 +329,18 @@ impl Edit<'_> {
 
     fn set_entry(&mut self, table: Table, key: &str, value: Option<&Json>) -> Result<(), Diagnostic> {
         let reserved: &[&str] = match table {
-            Table::Top => &["format", "version", "units", "requires", "groups", "x", "interface", "nodes"],
+            Table::Top if self.above > 0 => CLUSTER_KEYS,
+            Table::Top => &["format", "version", "units", "requires", "groups", "clusters", "x", "interface", "nodes"],
             Table::Interface => &["inputs", "outputs"],
             Table::Requires | Table::Groups => &[],
         };
         if reserved.contains(&key) {
             return refuse("reserved-key", format!("\"{key}\" has a meaning of its own in the file"));
         }
-        value.map_or(Ok(()), |v| check_depth(v, 2))?;
+        value.map_or(Ok(()), |v| check_depth(v, 2 + self.above))?;
+        if let (Table::Interface, Some(value)) = (table, value) {
+            check_interface_key(key, value)?;
+        }
         self.put_entry(table, key, value.cloned());
         Ok(())
     }
@@ -347,7 +357,7 @@ impl Edit<'_> {
     }
 }
 
-fn put<V>(map: &mut BTreeMap<String, V>, key: &str, value: Option<V>) -> Option<V> {
+pub(super) fn put<V>(map: &mut BTreeMap<String, V>, key: &str, value: Option<V>) -> Option<V> {
     match value {
         Some(value) => map.insert(key.into(), value),
         None => map.remove(key),
@@ -359,7 +369,7 @@ impl Node {
     /// O(source text).
     pub(crate) fn check_source(&mut self) {
         let Some(raw) = &self.raw.0 else { return };
-        if read_node(raw).is_none_or(|said| said != *self || node_text(&said) != node_text(self)) {
+        if read_node(raw).is_none_or(|said| said != *self || node_text(&said, 0) != node_text(self, 0)) {
             self.raw = Raw(None);
         }
     }
@@ -371,18 +381,18 @@ impl Wires {
     }
 }
 
-fn check_address(address: &str) -> Result<(), Diagnostic> {
+pub(super) fn check_address(address: &str) -> Result<(), Diagnostic> {
     if split_port(address).is_none() {
         return refuse("bad-address", format!("\"{address}\" is not of the form node.port"));
     }
     Ok(())
 }
 
-fn check_wires(wires: &Wires) -> Result<(), Diagnostic> {
+pub(super) fn check_wires(wires: &Wires) -> Result<(), Diagnostic> {
     wires.from.iter().try_for_each(|f| check_address(f))
 }
 
-fn check_input(name: &str, input: &InterfaceInput) -> Result<(), Diagnostic> {
+pub(super) fn check_input(name: &str, input: &InterfaceInput) -> Result<(), Diagnostic> {
     input.ports.iter().try_for_each(|p| check_address(p))?;
     if [input.min, input.max].into_iter().flatten().any(|v| !v.is_finite()) {
         return refuse("bad-range", format!("the range of input \"{name}\" is not finite"));
@@ -391,7 +401,7 @@ fn check_input(name: &str, input: &InterfaceInput) -> Result<(), Diagnostic> {
 }
 
 /// Refuses a value that would nest the file too deep to be read again; it stands `above` levels down. O(value).
-fn check_depth(value: &Json, above: usize) -> Result<(), Diagnostic> {
+pub(super) fn check_depth(value: &Json, above: usize) -> Result<(), Diagnostic> {
     let mut open = vec![(value, above)];
     while let Some((value, depth)) = open.pop() {
         let inside = depth + 1;

@@ -1,6 +1,7 @@
 //! What makes one document into another.
 
-use super::super::format::{input_text, json_text, node_text, output_text};
+use super::super::cluster::Cluster;
+use super::super::format::{input_text, json_text, link_text, node_text, output_text};
 use super::super::model::{Document, Node};
 use super::{Operation, Table};
 use crate::value::Json;
@@ -9,22 +10,42 @@ use std::collections::BTreeMap;
 
 impl Document {
     /// Operations that make `self` into `other`: applied in order, they give the same document and the same text, byte for
-    /// byte. Nodes of the same type and version are changed field by field, others are put whole. A renamed node counts as
+    /// byte. Nodes of the same type and version are changed field by field, others are put whole, and so are links; in
+    /// clusters of this file differences are found in the same way. A renamed node counts as
     /// removed and added. O(n), linear in both texts.
     #[must_use]
     pub fn diff(&self, other: &Self) -> Vec<Operation> {
-        let mut all = Vec::new();
-        for (id, before, after) in changed(&self.nodes, &other.nodes, |a, b| source(a) == source(b)) {
+        let mut all = self.content_diff(other, 0);
+        for (name, before, after) in changed(&self.clusters, &other.clusters, |_, _| false) {
             match (before, after) {
-                (Some(before), Some(after)) => all.extend(node_diff(id, before, after)),
+                (Some(Cluster::Here(before)), Some(Cluster::Here(after))) => {
+                    let inside = |operation| Operation::InCluster { name: name.into(), operation: Box::new(operation) };
+                    all.extend(before.content_diff(after, 2).into_iter().map(inside));
+                }
+                (Some(Cluster::File(before)), Some(Cluster::File(after))) if link_text(before) == link_text(after) => {}
+                _ => {
+                    let cluster = after.cloned().map(Box::new);
+                    all.push(Operation::SetCluster { name: name.into(), cluster });
+                }
+            }
+        }
+        all
+    }
+
+    /// The difference but for clusters, of documents whose braces stand at `depth` in their files.
+    fn content_diff(&self, other: &Self, depth: usize) -> Vec<Operation> {
+        let mut all = Vec::new();
+        for (id, before, after) in changed(&self.nodes, &other.nodes, |a, b| source(a, depth) == source(b, depth)) {
+            match (before, after) {
+                (Some(before), Some(after)) => all.extend(node_diff(id, before, after, depth)),
                 (None, Some(node)) => all.push(Operation::AddNode { id: id.into(), node: Box::new(node.clone()) }),
                 _ => all.push(Operation::PutNode { id: id.into(), node: None }),
             }
         }
-        for (name, _, input) in changed(&self.inputs, &other.inputs, |a, b| input_text(a) == input_text(b)) {
+        for (name, _, input) in changed(&self.inputs, &other.inputs, |a, b| input_text(a, 3) == input_text(b, 3)) {
             all.push(Operation::SetInput { name: name.into(), input: input.cloned() });
         }
-        for (name, _, output) in changed(&self.outputs, &other.outputs, |a, b| output_text(a) == output_text(b)) {
+        for (name, _, output) in changed(&self.outputs, &other.outputs, |a, b| output_text(a, 3) == output_text(b, 3)) {
             all.push(Operation::SetOutput { name: name.into(), output: output.cloned() });
         }
         let tables = [
@@ -68,18 +89,18 @@ fn same_json(a: &Json, b: &Json) -> bool {
 }
 
 /// What the file says of a node.
-fn source(node: &Node) -> Cow<'_, str> {
+fn source(node: &Node, depth: usize) -> Cow<'_, str> {
     match &node.raw.0 {
         Some(raw) => Cow::Borrowed(raw),
-        None => Cow::Owned(node_text(node)),
+        None => Cow::Owned(node_text(node, depth)),
     }
 }
 
-fn node_diff(id: &str, a: &Node, b: &Node) -> Vec<Operation> {
+fn node_diff(id: &str, a: &Node, b: &Node, depth: usize) -> Vec<Operation> {
     let whole = || vec![Operation::PutNode { id: id.into(), node: Some(Box::new(b.clone())) }];
     let same_extra = changed(&a.extra, &b.extra, same_json).is_empty();
     // Source text that is not in canonical form comes over only with the whole node.
-    let plain = b.raw.0.as_ref().is_none_or(|raw| **raw == node_text(b));
+    let plain = b.raw.0.as_ref().is_none_or(|raw| **raw == node_text(b, depth));
     if a.type_name != b.type_name || a.version != b.version || !same_extra || !plain {
         return whole();
     }

@@ -1,6 +1,7 @@
 //! Copy and paste: a fragment is a document of its own, so its text can go through a clipboard.
 
-use super::super::model::{Document, Raw, split_port};
+use super::super::cluster::Cluster;
+use super::super::model::{Document, Node, Raw, split_port};
 use super::{Operation, Table};
 use crate::diagnostic::{Diagnostic, did_you_mean};
 use crate::value::Json;
@@ -25,7 +26,7 @@ pub struct Paste {
 }
 
 impl Document {
-    /// The nodes of those ids with all their wires, the groups that consist of nothing else, and their positions. O(groups + nodes
+    /// The nodes of those ids with all their wires, the groups that consist of nothing else, their positions, and the clusters that they need. O(groups + nodes
     /// copied).
     ///
     /// # Errors
@@ -49,15 +50,34 @@ impl Document {
                 fragment.groups.insert(name.clone(), group.clone());
             }
         }
+        // The clusters that its instances need, and those that these need.
+        let mut open: Vec<&str> = fragment.nodes.values().filter_map(Node::cluster).collect();
+        let mut needed = BTreeSet::new();
+        while let Some(name) = open.pop() {
+            let Some(cluster) = self.clusters.get(name).filter(|_| needed.insert(name)) else { continue };
+            if let Cluster::Here(body) = cluster {
+                open.extend(body.nodes.values().filter_map(Node::cluster));
+            }
+        }
+        let needed: BTreeMap<String, Cluster> =
+            needed.into_iter().filter_map(|n| Some((n.to_owned(), self.clusters.get(n)?.clone()))).collect();
+        fragment.clusters = needed;
         Ok(fragment)
     }
 
     /// The operation that puts a fragment into this document. Nodes and groups whose names are taken get the next free
-    /// one (`add`, `add-2`, `add-3` …); wires inside the fragment follow. Positions are moved by `offset`. The fragment's
+    /// one (`add`, `add-2`, `add-3` …); so do clusters, unless the one that is here is the same; wires inside the fragment follow. Positions are moved by `offset`. The fragment's
     /// interface and foreign data stay behind. O(fragment × log n).
     #[must_use]
     pub fn paste(&self, fragment: &Self, outer: OuterWires, offset: [f64; 2]) -> Paste {
         let mut names = Names::default();
+        let (mut own, mut all) = (None, Vec::new());
+        if !fragment.clusters.is_empty() {
+            let mut brought = fragment.clone();
+            all = self.bring(&mut brought, &mut Names::default());
+            own = Some(brought);
+        }
+        let fragment = own.as_ref().unwrap_or(fragment);
         // Names that are free stay, and nobody else may get them.
         let keep = fragment.nodes.keys().filter(|id| !self.nodes.contains_key(*id)).cloned();
         let mut ids: BTreeMap<String, String> = keep.map(|id| (id.clone(), id)).collect();
@@ -73,7 +93,6 @@ impl Document {
                 None => None,
             }
         };
-        let mut all = Vec::new();
         for (id, node) in &fragment.nodes {
             let mut node = node.clone();
             let mut inputs = node.inputs.clone();
@@ -116,14 +135,14 @@ impl Document {
 
 /// Gives out free names.
 #[derive(Default)]
-struct Names {
+pub(super) struct Names {
     /// The number that each name was last given out with.
     last: HashMap<String, u64>,
     given: BTreeSet<String>,
 }
 
 impl Names {
-    fn next(&mut self, name: &str, taken: impl Fn(&str) -> bool) -> String {
+    pub(super) fn next(&mut self, name: &str, taken: impl Fn(&str) -> bool) -> String {
         let numbered = name.rsplit_once('-').filter(|(s, n)| !s.is_empty() && n.parse::<u32>().is_ok());
         let stem = numbered.map_or(name, |(stem, _)| stem);
         let last = self.last.entry(stem.to_owned()).or_insert(1);

@@ -2,13 +2,17 @@
 //! takes it back, byte for byte.
 
 mod apply;
+mod cluster;
 mod diff;
+mod explode;
 mod fragment;
+mod gather;
 mod history;
 
 pub use fragment::{OuterWires, Paste};
 pub use history::History;
 
+use super::cluster::Cluster;
 use super::model::{Document, InterfaceInput, InterfaceOutput, Node, NodeState, Wires};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::matching::Matching;
@@ -134,6 +138,20 @@ pub enum Operation {
         /// The value, or none.
         value: Option<Json>,
     },
+    /// Defines a cluster, links one from a file, or takes its definition away; instances stay. O(definition).
+    SetCluster {
+        /// Its name.
+        name: String,
+        /// The definition or the link, or none.
+        cluster: Option<Box<Cluster>>,
+    },
+    /// Does something inside the definition of a cluster that stands in the file; all instances follow.
+    InCluster {
+        /// Its name.
+        name: String,
+        /// What is done, with ids as they are inside.
+        operation: Box<Self>,
+    },
     /// Foreign data (`x`): one JSON value as text, kept byte for byte.
     SetForeign {
         /// The text, or none.
@@ -170,7 +188,7 @@ impl Operation {
     /// # Errors
     /// Says why the operation makes no sense for this document; then nothing has changed.
     pub fn apply(&self, document: &mut Document) -> Result<Self, Diagnostic> {
-        apply::apply(self, document)
+        apply::apply_at(self, document, 0)
     }
 
     /// The operations it consists of, those inside `All` one by one. Without recursion: a caller may nest as it likes.
