@@ -16,7 +16,8 @@ cargo xtask bench chain [CASE]...   measure the chain; one JSON line per figure 
 cargo xtask bench engine [NODES]... the engine beside its peers, at these sizes or at all
 cargo xtask bench cancel [CASE]...  how long jobs go on after they were told to stop; FILE.obj is planarized
 cargo xtask docs [--check]          write docs/nodes.md from the registry, or only compare
-cargo xtask picture                  draw docs/shell-256.svg from graphs/shell-256";
+cargo xtask picture                  draw docs/shell-256.svg from graphs/shell-256
+cargo xtask screenshots              draw the pictures of the editor in docs/";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
         ["bench", "cancel", cases @ ..] => bench::cancel::run(cases),
         ["bench-child", rest @ ..] => bench::chain::child(rest),
         ["picture"] => picture::write(),
+        ["screenshots"] => screenshots(),
         ["docs"] => docs::write(),
         ["docs", "--check"] => docs::check(),
         _ => Err(USAGE.to_owned()),
@@ -37,6 +39,17 @@ fn main() -> ExitCode {
             eprintln!("{message}");
             ExitCode::from(2)
         }
+    }
+}
+
+/// The editor's own tests draw them, so that nothing here depends on it.
+fn screenshots() -> Result<(), String> {
+    let arguments = ["test", "-p", "tenon-editor", "--test", "main", "--", "--ignored", "pictures_of_the_book"];
+    let status = std::process::Command::new("cargo").args(arguments).current_dir(root()).status();
+    match status {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(format!("the editor's pictures were not drawn: {status}")),
+        Err(e) => Err(format!("cargo cannot be called: {e}")),
     }
 }
 

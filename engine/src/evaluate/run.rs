@@ -14,7 +14,6 @@ use crate::document::model::NodeState;
 use crate::plan::Slot;
 use crate::value::Tree;
 use rayon::prelude::*;
-use std::collections::HashSet;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -184,25 +183,12 @@ impl Session {
 
     /// False if a node was cancelled.
     fn run_level(&mut self, level: &[u32], e: &mut Evaluation, cancel: &AtomicBool, meter: &Meter<'_>) -> bool {
-        let (mut jobs, mut twins, mut keys) = (Vec::new(), Vec::new(), HashSet::new());
+        let mut jobs = Vec::new();
         for n in level {
-            let Some(job) = self.look_at(*n, e) else { continue };
-            // Instances of one cluster meet at one level, often with the same inputs: one runs, the others find its result.
-            if self.plan.has_instances() && !keys.insert(job.key) {
-                twins.push(*n);
-            } else {
+            if let Some(job) = self.look_at(*n, e) {
                 jobs.push(job);
             }
         }
-        if !self.run_batch(jobs, e, cancel, meter) {
-            return false;
-        }
-        let jobs = twins.into_iter().filter_map(|n| self.look_at(n, e)).collect();
-        self.run_batch(jobs, e, cancel, meter)
-    }
-
-    /// False if a node was cancelled.
-    fn run_batch(&mut self, mut jobs: Vec<Job>, e: &mut Evaluation, cancel: &AtomicBool, meter: &Meter<'_>) -> bool {
         if jobs.is_empty() {
             return true;
         }

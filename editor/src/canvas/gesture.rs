@@ -1,0 +1,398 @@
+//! What the hand does on the canvas: panning, zooming, moving, framing, drawing wires, sliding values.
+
+use super::finder::Finder;
+use super::hit::Hit;
+use super::input::Typing;
+use super::paint::{Paint, Strands};
+use super::shape::{Row, Shape, Shapes};
+use super::{Canvas, view};
+use crate::model::Model;
+use crate::model::param::{Slider, Widget, number, round_step};
+use crate::theme;
+use eframe::egui::{Key, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui, Vec2, pos2};
+use tenon_engine::Operation;
+
+/// The end of a wire that is being drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct End {
+    /// The node that it starts at.
+    pub node: String,
+    /// Its port there.
+    pub port: String,
+    /// Whether that is an output.
+    pub output: bool,
+    /// The type of that port.
+    pub type_name: String,
+}
+
+impl End {
+    /// Whether a wire from here can go to a port.
+    pub fn fits(&self, shapes: &Shapes, model: &Model, shape: &Shape, output: bool, port: usize) -> bool {
+        if output == self.output || shape.id == self.node || shapes.find(&self.node).is_none() {
+            return false;
+        }
+        let there = if output { shape.outputs.get(port) } else { shape.inputs.get(port) };
+        there.is_some_and(|p| match self.output {
+            true => model.catalog.fits(&self.type_name, &p.type_name),
+            false => model.catalog.fits(&p.type_name, &self.type_name),
+        })
+    }
+}
+
+/// What the hand does.
+#[derive(Default)]
+pub enum Gesture {
+    /// Nothing.
+    #[default]
+    Idle,
+    /// Moves the canvas.
+    Pan,
+    /// Draws a frame around nodes; from where, and what was selected before.
+    Frame(Pos2, std::collections::BTreeSet<String>),
+    /// Moves the selected nodes by so much.
+    Move(Vec2),
+    /// Draws a wire.
+    Wire(End),
+    /// Slides a value along its row.
+    Slide {
+        /// The node.
+        node: String,
+        /// Its input.
+        port: String,
+        /// The row on screen.
+        row: Rect,
+        /// The slider as it was.
+        slider: Slider,
+    },
+    /// Changes a value without ends, by so much per point of the screen.
+    Turn {
+        /// The node.
+        node: String,
+        /// Its input.
+        port: String,
+        /// The value as it was.
+        value: f64,
+        /// Change per point.
+        step: f64,
+        /// Where it began.
+        from: Pos2,
+    },
+}
+
+impl Gesture {
+    /// Whether nothing is being done.
+    pub fn is_idle(&self) -> bool {
+        matches!(self, Self::Idle)
+    }
+
+    /// How far selected nodes have been moved.
+    pub fn offset(&self) -> Option<Vec2> {
+        if let Self::Move(by) = self { Some(view::snap(by.to_pos2()).to_vec2()) } else { None }
+    }
+
+    /// The wire that is being drawn.
+    pub fn wire(&self) -> Option<&End> {
+        if let Self::Wire(end) = self { Some(end) } else { None }
+    }
+
+    /// Paints the frame or the wire.
+    pub fn paint(&self, p: &Paint, shapes: &Shapes, pointer: Option<Pos2>) {
+        let Some(pointer) = pointer.map(|at| p.view.to_canvas(p.area, at)) else { return };
+        match self {
+            Self::Frame(from, _) => {
+                let rect = p.view.rect_to_screen(p.area, Rect::from_two_pos(*from, pointer));
+                let fill = p.theme.selected.gamma_multiply(0.12);
+                p.painter.rect(rect, 0.0, fill, Stroke::new(1.0, p.theme.selected), StrokeKind::Inside);
+            }
+            Self::Wire(end) => {
+                let Some(shape) = shapes.find(&end.node).map(|n| &shapes.nodes[n]) else { return };
+                let named = |ports: &[crate::model::catalog::PortInfo]| ports.iter().position(|q| q.name == end.port);
+                let colour = theme::type_colour(&end.type_name);
+                if end.output {
+                    let from = named(&shape.outputs).map(|o| shape.output(o));
+                    from.into_iter().for_each(|from| p.wire(from, pointer, colour, Strands::Item));
+                } else {
+                    let to = named(&shape.inputs).map(|i| shape.input(i));
+                    to.into_iter().for_each(|to| p.wire(pointer, to, colour, Strands::Item));
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Canvas {
+    /// Looks at what the hand does and does it.
+    pub(super) fn gestures(&mut self, ui: &Ui, response: &Response, model: &mut Model) {
+        let area = response.rect;
+        let pointer = ui.input(|i| i.pointer.latest_pos());
+        if response.contains_pointer() {
+            let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta.y, i.zoom_delta()));
+            if let Some(at) = pointer.filter(|_| scroll != 0.0 || pinch != 1.0) {
+                let factor = if pinch != 1.0 { pinch } else { (scroll * 0.004).exp() };
+                self.view.zoom_at(area, at, factor);
+            }
+        }
+        let pressed = ui.input(|i| i.pointer.press_origin());
+        if response.drag_started() {
+            let right = response.dragged_by(PointerButton::Secondary) || response.dragged_by(PointerButton::Middle);
+            let space = ui.input(|i| i.key_down(Key::Space));
+            if right || space {
+                self.gesture = Gesture::Pan;
+            } else if let Some(at) = pressed {
+                self.begin(ui, area, at, model);
+            }
+        }
+        if let (true, Some(at)) = (response.dragged(), pointer) {
+            self.drag(response.drag_delta(), area, at, model);
+        }
+        if response.drag_stopped() {
+            self.finish(area, pointer, model);
+        }
+        if let Some(at) = pointer.filter(|_| response.double_clicked()) {
+            self.double_click(area, at, model);
+        } else if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) {
+            self.click(ui, area, at, model);
+        }
+        if response.secondary_clicked() {
+            let hit = response.interact_pointer_pos().map(|at| self.hit(area, at, model));
+            if let Some(n) = hit.and_then(Hit::node) {
+                self.choose(n, false, model);
+            }
+            self.menu_on = hit;
+        }
+    }
+
+    /// Selects a node; with `more`, besides those that are.
+    fn choose(&self, n: usize, more: bool, model: &mut Model) {
+        let Some(shape) = self.shapes.nodes.get(n) else { return };
+        if model.selection.contains(&shape.id) {
+            if more {
+                model.selection.remove(&shape.id);
+            }
+            return;
+        }
+        if !more {
+            model.selection.clear();
+        }
+        model.selection.insert(shape.id.clone());
+    }
+
+    fn begin(&mut self, ui: &Ui, area: Rect, at: Pos2, model: &mut Model) {
+        let (shift, ctrl) = ui.input(|i| (i.modifiers.shift, i.modifiers.command));
+        self.gesture = match self.hit(area, at, model) {
+            Hit::Nothing => {
+                let before = if shift { model.selection.clone() } else { Default::default() };
+                Gesture::Frame(self.view.to_canvas(area, at), before)
+            }
+            Hit::Node(n) | Hit::More(n) => {
+                self.choose(n, false, model);
+                Gesture::Move(Vec2::ZERO)
+            }
+            Hit::Output(n, o) => self.wire_from(n, o, true),
+            Hit::Input(n, i) if ctrl => self.take_off(n, i, model),
+            Hit::Input(n, i) => self.wire_from(n, i, false),
+            Hit::Value(n, i, r) => self.begin_value(area, at, n, i, r, model),
+        };
+        if matches!(self.gesture, Gesture::Slide { .. } | Gesture::Turn { .. }) {
+            model.begin();
+        }
+    }
+
+    fn wire_from(&self, n: usize, port: usize, output: bool) -> Gesture {
+        let shape = &self.shapes.nodes[n];
+        let ports = if output { &shape.outputs } else { &shape.inputs };
+        let info = &ports[port];
+        Gesture::Wire(End {
+            node: shape.id.clone(),
+            port: info.name.clone(),
+            output,
+            type_name: info.type_name.clone(),
+        })
+    }
+
+    /// Takes the last wire off an input, to be put elsewhere.
+    fn take_off(&self, n: usize, port: usize, model: &mut Model) -> Gesture {
+        let wire = self.shapes.wires.iter().rev().find(|w| w.to == n && w.port == port);
+        let Some((wire, (source, output))) = wire.and_then(|w| Some((w, w.source?))) else { return Gesture::Idle };
+        let (node, port) = (self.shapes.nodes[n].id.clone(), self.shapes.nodes[n].inputs[port].name.clone());
+        let gesture = self.wire_from(source, output, true);
+        model.edit(Operation::Disconnect { node, port, from: wire.from.clone() });
+        gesture
+    }
+
+    fn begin_value(&self, area: Rect, at: Pos2, n: usize, i: usize, r: usize, model: &mut Model) -> Gesture {
+        let shape = &self.shapes.nodes[n];
+        let (node, port) = (shape.id.clone(), shape.inputs[i].name.clone());
+        match &shape.rows[r] {
+            Row::Input(_, Some(Widget::Slider(slider))) => {
+                let row = self
+                    .view
+                    .rect_to_screen(area, shape.row_rect(r))
+                    .shrink2(eframe::egui::vec2(10.0 * self.view.zoom, 0.0));
+                Gesture::Slide { node, port, row, slider: *slider }
+            }
+            Row::Input(_, Some(Widget::Number { value, integer })) => {
+                let step = if *integer { 0.2 } else { round_step(value.abs().max(1.0) / 100.0) };
+                Gesture::Turn { node, port, value: *value, step, from: at }
+            }
+            _ => {
+                self.choose(n, false, model);
+                Gesture::Move(Vec2::ZERO)
+            }
+        }
+    }
+
+    fn drag(&mut self, delta: Vec2, area: Rect, at: Pos2, model: &mut Model) {
+        let set = |node: &str, port: &str, value: f64, model: &mut Model| {
+            let value = number((value * 1e6).round() / 1e6);
+            if model.params(node).and_then(|p| p.get(port)) != Some(&value) {
+                model.edit(Operation::SetParam { node: node.into(), port: port.into(), value: Some(value) });
+            }
+        };
+        match &mut self.gesture {
+            Gesture::Idle | Gesture::Wire(_) => {}
+            Gesture::Pan => self.view.origin += delta,
+            Gesture::Move(by) => *by += delta / self.view.zoom,
+            Gesture::Frame(from, before) => {
+                let frame = Rect::from_two_pos(*from, self.view.to_canvas(area, at));
+                model.selection.clone_from(before);
+                let inside = self.shapes.nodes.iter().filter(|s| frame.intersects(s.rect));
+                model.selection.extend(inside.map(|s| s.id.clone()));
+            }
+            Gesture::Slide { node, port, row, slider } => {
+                let value = slider.at(f64::from((at.x - row.left()) / row.width().max(1.0)));
+                set(node, port, value, model);
+            }
+            Gesture::Turn { node, port, value, step, from } => {
+                let turned = *value + f64::from(((at.x - from.x) / 2.0).round()) * *step;
+                let value = if *step == 0.2 { turned.round() } else { turned };
+                set(node, port, value, model);
+            }
+        }
+    }
+
+    fn finish(&mut self, area: Rect, pointer: Option<Pos2>, model: &mut Model) {
+        let offset = self.gesture.offset();
+        match std::mem::take(&mut self.gesture) {
+            Gesture::Move(_) => {
+                let by = offset.unwrap_or(Vec2::ZERO);
+                let moves = model.selection.iter().filter_map(|id| {
+                    let [x, y] = model.document().position(id).unwrap_or_default();
+                    let to = Some([x + f64::from(by.x), y + f64::from(by.y)]);
+                    (by != Vec2::ZERO).then(|| Operation::Move { node: id.clone(), to })
+                });
+                let moves: Vec<Operation> = moves.collect();
+                if !moves.is_empty() {
+                    model.edit(Operation::All(moves));
+                }
+            }
+            Gesture::Slide { .. } | Gesture::Turn { .. } => model.end(),
+            Gesture::Wire(end) => {
+                let Some(at) = pointer else { return };
+                match self.hit(area, at, model) {
+                    Hit::Nothing => self.finder = Some(Finder::new(at, Some(end))),
+                    hit => self.drop_wire(&end, hit, at, area, model),
+                }
+            }
+            Gesture::Idle | Gesture::Pan | Gesture::Frame(..) => {}
+        }
+    }
+
+    /// A wire was let go over a node: it goes to the port there, or to the only one that fits.
+    fn drop_wire(&self, end: &End, hit: Hit, at: Pos2, area: Rect, model: &mut Model) {
+        let Some(shape) = hit.node().map(|n| &self.shapes.nodes[n]) else { return };
+        let count = if end.output { shape.inputs.len() } else { shape.outputs.len() };
+        let there = match hit {
+            Hit::Output(_, o) if !end.output => Some(o),
+            Hit::Input(_, i) | Hit::Value(_, i, _) if end.output => Some(i),
+            _ => {
+                // Anywhere on a row counts as its port.
+                let p = self.view.to_canvas(area, at);
+                let row =
+                    shape.rows.iter().enumerate().find(|(r, _)| shape.row_rect(*r).contains(p)).map(|(_, row)| row);
+                match row {
+                    Some(Row::Input(i, _)) if end.output => Some(*i),
+                    Some(Row::Output(o)) if !end.output => Some(*o),
+                    _ => (0..count).find(|p| end.fits(&self.shapes, model, shape, !end.output, *p)),
+                }
+            }
+        };
+        let Some(port) = there else { return };
+        if !end.fits(&self.shapes, model, shape, !end.output, port) {
+            let there = if end.output { &shape.inputs[port] } else { &shape.outputs[port] };
+            let (gives, takes) =
+                if end.output { (&end.type_name, &there.type_name) } else { (&there.type_name, &end.type_name) };
+            let message = format!("a wire cannot go there: it brings {gives}, the input takes {takes}");
+            model.message = Some(tenon_engine::Diagnostic::error("wrong-type", message));
+            return;
+        }
+        let operation = match end.output {
+            true => model.new_wire(&format!("{}.{}", end.node, end.port), &shape.id, &shape.inputs[port].name),
+            false => model.new_wire(&format!("{}.{}", shape.id, shape.outputs[port].name), &end.node, &end.port),
+        };
+        model.edit(operation);
+    }
+
+    fn click(&mut self, ui: &Ui, area: Rect, at: Pos2, model: &mut Model) {
+        let more = ui.input(|i| i.modifiers.shift || i.modifiers.command);
+        match self.hit(area, at, model) {
+            Hit::Nothing => {
+                if !more {
+                    model.selection.clear();
+                }
+                self.jump(area, at, model);
+            }
+            Hit::More(n) => {
+                let id = self.shapes.nodes[n].id.clone();
+                self.fold(&id);
+            }
+            Hit::Value(n, i, r) => {
+                let shape = &self.shapes.nodes[n];
+                let (node, port) = (shape.id.clone(), shape.inputs[i].name.clone());
+                match &shape.rows[r] {
+                    Row::Input(_, Some(Widget::Toggle(on))) => {
+                        let value = Some((!on).into());
+                        model.edit(Operation::SetParam { node, port, value });
+                    }
+                    Row::Input(_, Some(Widget::Choice(_))) => self.typing = Some(Typing::new(node, port, model)),
+                    _ => self.select_one(n, more, model),
+                }
+            }
+            Hit::Node(n) | Hit::Output(n, _) | Hit::Input(n, _) => self.select_one(n, more, model),
+        }
+    }
+
+    fn select_one(&self, n: usize, more: bool, model: &mut Model) {
+        if !more {
+            model.selection.clear();
+        }
+        self.choose(n, more, model);
+    }
+
+    /// A click on the small map brings that place into the middle.
+    fn jump(&mut self, area: Rect, at: Pos2, model: &Model) {
+        let Some(bounds) = self.shapes.bounds().map(|b| b.expand(25.0)) else { return };
+        if self.view.seen(area).contains_rect(bounds) || area.width() < 420.0 || area.height() < 320.0 {
+            return;
+        }
+        let scale = (150.0 / bounds.width()).min(100.0 / bounds.height());
+        let map = Rect::from_min_size(area.max - bounds.size() * scale - Vec2::splat(10.0), bounds.size() * scale);
+        if map.contains(at) && !model.document().nodes().is_empty() {
+            let p = (at - map.min) / scale;
+            self.view.centre(area, pos2(bounds.left() + p.x, bounds.top() + p.y));
+        }
+    }
+
+    fn double_click(&mut self, area: Rect, at: Pos2, model: &mut Model) {
+        match self.hit(area, at, model) {
+            Hit::Nothing => self.finder = Some(Finder::new(at, None)),
+            Hit::Value(n, i, _) => {
+                let shape = &self.shapes.nodes[n];
+                self.typing = Some(Typing::new(shape.id.clone(), shape.inputs[i].name.clone(), model));
+            }
+            Hit::Node(n) => self.typing = Some(Typing::rename(self.shapes.nodes[n].id.clone())),
+            Hit::More(_) | Hit::Output(..) | Hit::Input(..) => {}
+        }
+    }
+}

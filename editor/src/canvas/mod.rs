@@ -1,0 +1,203 @@
+//! The canvas: nodes and wires of the document, painted and moved by hand. It owns what is only seen (which part, what is
+//! folded, what is being dragged); every change goes to the model as an operation.
+
+mod finder;
+mod gesture;
+mod hit;
+mod input;
+mod menu;
+mod paint;
+mod shape;
+mod tip;
+mod view;
+
+pub use finder::Finder;
+pub use menu::group;
+pub use shape::Shapes;
+pub use tip::{bytes, value as value_in_short};
+pub use view::View;
+
+use crate::model::Model;
+use crate::theme::Theme;
+use eframe::egui::{self, Id, Rect, Sense, Ui, Vec2, WidgetInfo, WidgetType};
+use gesture::Gesture;
+use hit::Hit;
+use input::Typing;
+use paint::Paint;
+use std::collections::BTreeSet;
+
+/// The canvas of one window.
+#[derive(Default)]
+pub struct Canvas {
+    /// Which part is seen.
+    pub view: View,
+    /// What is drawn.
+    pub shapes: Shapes,
+    /// Nodes that show all their inputs.
+    unfolded: BTreeSet<String>,
+    folds: u64,
+    gesture: Gesture,
+    typing: Option<Typing>,
+    finder: Option<Finder>,
+    /// What the context menu was opened on.
+    menu_on: Option<Hit>,
+    /// Everything is to be brought into view, as after opening.
+    fit: bool,
+    arrange: bool,
+}
+
+impl Canvas {
+    /// After another graph was opened: places nodes that have none and shows all.
+    pub fn opened(&mut self) {
+        self.unfolded.clear();
+        self.folds += 1;
+        self.typing = None;
+        self.finder = None;
+        self.gesture = Gesture::Idle;
+        (self.fit, self.arrange) = (true, true);
+    }
+
+    /// Shows everything, or what is selected, at the next frame.
+    pub fn show_all(&mut self) {
+        self.fit = true;
+    }
+
+    /// Whether keys belong to a field that is open.
+    #[must_use]
+    pub fn is_typing(&self) -> bool {
+        self.typing.is_some() || self.finder.is_some()
+    }
+
+    /// Places nodes that have no place yet.
+    fn arrange(&mut self, model: &mut Model) {
+        let homeless: BTreeSet<String> =
+            model.document().nodes().keys().filter(|id| model.document().position(id).is_none()).cloned().collect();
+        if homeless.is_empty() {
+            return;
+        }
+        let all = crate::model::arrange::arrange(model.document(), |id| self.shapes.size(id));
+        model.place(all.into_iter().filter(|(id, _)| homeless.contains(id)));
+        self.shapes.update(model, &self.unfolded, self.folds);
+    }
+
+    /// Shows the canvas in all the room that `ui` has.
+    pub fn show(&mut self, ui: &mut Ui, model: &mut Model) {
+        let area = ui.available_rect_before_wrap();
+        let id = Id::new("canvas");
+        let response = ui.interact(area, id, Sense::click_and_drag());
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "canvas"));
+        self.shapes.update(model, &self.unfolded, self.folds);
+        if std::mem::take(&mut self.arrange) {
+            self.arrange(model);
+        }
+        if std::mem::take(&mut self.fit) {
+            let chosen =
+                model.selection.iter().filter_map(|id| self.shapes.find(id)).map(|n| self.shapes.nodes[n].rect);
+            if let Some(content) = chosen.reduce(Rect::union).or_else(|| self.shapes.bounds()) {
+                self.view.fit(area, content);
+            }
+        }
+        self.gestures(ui, &response, model);
+        self.shapes.update(model, &self.unfolded, self.folds);
+        self.paint(ui, area, model);
+        self.name_what_is_seen(ui, area, model);
+        self.context_menu(&response, model);
+        self.typing(ui, area, model);
+        self.find(ui, area, model);
+    }
+
+    fn paint(&self, ui: &Ui, area: Rect, model: &Model) {
+        let offset = self.gesture.offset().unwrap_or(Vec2::ZERO);
+        let painter = ui.painter_at(area);
+        let p = Paint { painter, area, view: self.view, theme: Theme::of(ui), model, offset };
+        p.grid();
+        menu::groups(&p, &self.shapes);
+        p.wires(&self.shapes);
+        match self.gesture.wire() {
+            Some(end) => {
+                let fits = |shape: &shape::Shape, output: bool, port: usize| {
+                    end.fits(&self.shapes, model, shape, output, port)
+                };
+                p.nodes(&self.shapes, Some(&fits));
+            }
+            None => p.nodes(&self.shapes, None),
+        }
+        self.gesture.paint(&p, &self.shapes, ui.input(|i| i.pointer.latest_pos()));
+        p.map(&self.shapes);
+    }
+
+    /// Tells screen readers and tests what stands where, and shows tooltips. Only of what can be read at this scale.
+    fn name_what_is_seen(&self, ui: &Ui, area: Rect, model: &Model) {
+        if self.view.zoom < 0.3 {
+            return;
+        }
+        let seen = self.view.seen(area);
+        for shape in self.shapes.nodes.iter().filter(|s| s.rect.intersects(seen)) {
+            let id = Id::new(("node", &shape.id));
+            let mut header = shape.rect;
+            header.set_height(shape::HEADER);
+            let rect = self.view.rect_to_screen(area, header).intersect(area);
+            let node = ui.interact(rect, id, Sense::hover());
+            node.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("node {}", shape.id)));
+            if self.gesture.is_idle() {
+                node.on_hover_ui(|ui| tip::node(ui, model, shape));
+            }
+            if self.view.zoom < 0.45 {
+                continue;
+            }
+            for (r, row) in shape.rows.iter().enumerate() {
+                let (label, port, output) = match row {
+                    shape::Row::Output(o) => (format!("output {}.{}", shape.id, shape.outputs[*o].name), *o, true),
+                    shape::Row::Input(i, _) => (format!("input {}.{}", shape.id, shape.inputs[*i].name), *i, false),
+                    shape::Row::More(_) => (format!("inputs of {}", shape.id), usize::MAX, false),
+                };
+                let rect = self.view.rect_to_screen(area, shape.row_rect(r)).intersect(area);
+                let row = Id::new(("row", &shape.id, r));
+                let response = ui.interact(rect, row, Sense::hover());
+                response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &label));
+                if port != usize::MAX && self.gesture.is_idle() {
+                    response.on_hover_ui(|ui| tip::port(ui, model, shape, port, output));
+                }
+            }
+        }
+    }
+
+    /// Opens or folds the inputs of a node.
+    fn fold(&mut self, id: &str) {
+        if !self.unfolded.remove(id) {
+            self.unfolded.insert(id.to_owned());
+        }
+        self.folds += 1;
+    }
+
+    /// Opens the finder in the middle of what is seen, or at the pointer.
+    pub fn open_finder(&mut self, ui: &Ui) {
+        let at = ui.input(|i| i.pointer.hover_pos()).unwrap_or_else(|| ui.max_rect().center());
+        self.finder = Some(Finder::new(at, None));
+    }
+
+    fn find(&mut self, ui: &mut Ui, area: Rect, model: &mut Model) {
+        let Some(mut finder) = self.finder.take() else { return };
+        let at = self.view.to_canvas(area, finder.at);
+        match finder.show(ui, area, model) {
+            finder::Found::Open => self.finder = Some(finder),
+            finder::Found::Closed => {}
+            finder::Found::Type(name) => finder.add(model, &name, view::snap(at), &self.shapes),
+        }
+    }
+
+    fn typing(&mut self, ui: &mut Ui, area: Rect, model: &mut Model) {
+        let Some(mut typing) = self.typing.take() else { return };
+        let place = typing.place(&self.shapes).map(|r| self.view.rect_to_screen(area, r));
+        if let Some(place) = place
+            && typing.show(ui, place, area, model, self.view.zoom)
+        {
+            self.typing = Some(typing);
+        }
+    }
+
+    /// The part of the canvas that the pointer is over.
+    fn hit(&self, area: Rect, at: egui::Pos2, model: &Model) -> Hit {
+        hit::hit(&self.shapes, self.view.to_canvas(area, at), &model.selection, self.view.zoom)
+    }
+}

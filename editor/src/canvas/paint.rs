@@ -1,0 +1,329 @@
+//! Painting nodes, wires and what is being drawn by hand. What lies outside is left out, and zoomed out less is drawn.
+
+use super::shape::{HEADER, Row, Shape, Shapes, Wire};
+use super::view::View;
+use crate::model::Model;
+use crate::model::param::{Widget, shown};
+use crate::theme::{self, Theme};
+use eframe::egui::epaint::CubicBezierShape;
+use eframe::egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
+use tenon_engine::{Happened, NodeState, Severity};
+
+/// Below this scale no text is drawn in rows, and below the second none at all.
+const DETAIL: [f32; 2] = [0.45, 0.15];
+
+/// Whether the wire that is being drawn can go to a port: of this shape, an output or not, of this number.
+pub type Wanted<'a> = Option<&'a dyn Fn(&Shape, bool, usize) -> bool>;
+
+/// What painting needs to know.
+pub struct Paint<'a> {
+    /// Where to.
+    pub painter: Painter,
+    /// The area of the canvas on screen.
+    pub area: Rect,
+    /// The part that is seen.
+    pub view: View,
+    /// Colours.
+    pub theme: Theme,
+    /// What is worked on.
+    pub model: &'a Model,
+    /// Moves selected nodes while they are dragged.
+    pub offset: eframe::egui::Vec2,
+}
+
+impl Paint<'_> {
+    fn scaled(&self, size: f32) -> f32 {
+        size * self.view.zoom
+    }
+
+    /// Steps of half a point, so that zooming does not fill the atlas of glyphs.
+    fn font(&self, size: f32) -> FontId {
+        FontId::proportional(((self.scaled(size) * 2.0).round() / 2.0).max(1.0))
+    }
+
+    fn at(&self, p: Pos2) -> Pos2 {
+        self.view.to_screen(self.area, p)
+    }
+
+    /// Where a node stands while it may be dragged.
+    pub fn moved(&self, shape: &Shape) -> Rect {
+        if self.model.selection.contains(&shape.id) { shape.rect.translate(self.offset) } else { shape.rect }
+    }
+
+    fn port(&self, shape: &Shape, p: Pos2) -> Pos2 {
+        p + (self.moved(shape).min - shape.rect.min)
+    }
+
+    /// The points that show that there is a canvas.
+    pub fn grid(&self) {
+        self.painter.rect_filled(self.area, 0.0, self.theme.canvas);
+        let step = 50.0;
+        if self.scaled(step) < 14.0 {
+            return;
+        }
+        let seen = self.view.seen(self.area);
+        let (left, top) = ((seen.left() / step).floor() as i32, (seen.top() / step).floor() as i32);
+        let (right, bottom) = ((seen.right() / step) as i32, (seen.bottom() / step) as i32);
+        for x in left..=right {
+            for y in top..=bottom {
+                let p = self.at(pos2(x as f32 * step, y as f32 * step));
+                self.painter.rect_filled(Rect::from_center_size(p, vec2(1.5, 1.5)), 0.0, self.theme.grid);
+            }
+        }
+    }
+
+    /// All wires.
+    pub fn wires(&self, shapes: &Shapes) {
+        for wire in &shapes.wires {
+            let target = &shapes.nodes[wire.to];
+            let end = self.port(target, target.input(wire.port));
+            let Some((n, o)) = wire.source else {
+                let start = end - vec2(26.0, 0.0);
+                let ends = [self.at(start), self.at(end)];
+                self.painter.line_segment(ends, Stroke::new(self.scaled(2.0).max(1.0), self.theme.error));
+                continue;
+            };
+            let source = &shapes.nodes[n];
+            let start = self.port(source, source.output(o));
+            let chosen = self.model.selection.contains(&source.id) || self.model.selection.contains(&target.id);
+            let colour = theme::type_colour(&source.outputs[o].type_name);
+            let colour = if chosen { colour } else { colour.gamma_multiply(0.55) };
+            self.wire(start, end, colour, self.strands(wire));
+        }
+    }
+
+    /// One line for an item, two for a list, two broken ones for a tree.
+    fn strands(&self, wire: &Wire) -> Strands {
+        match self.model.results.values.get(&wire.from) {
+            Some(tree) if tree.branches().len() > 1 => Strands::Tree,
+            Some(tree) if tree.len() > 1 => Strands::List,
+            _ => Strands::Item,
+        }
+    }
+
+    /// One wire between two places of the canvas.
+    pub fn wire(&self, from: Pos2, to: Pos2, colour: Color32, strands: Strands) {
+        let (a, b) = (self.at(from), self.at(to));
+        let bounds = Rect::from_two_pos(a, b).expand(self.scaled(90.0));
+        if !bounds.intersects(self.area) {
+            return;
+        }
+        let width = self.scaled(1.8).clamp(0.8, 3.0);
+        if self.view.zoom < DETAIL[1] {
+            self.painter.line_segment([a, b], Stroke::new(width, colour));
+            return;
+        }
+        let reach =
+            ((b.x - a.x).abs() * 0.5).max((b.y - a.y).abs() * 0.25).max(self.scaled(18.0)).min(self.scaled(240.0));
+        let curve = |dy: f32| {
+            let up = vec2(0.0, dy);
+            let points = [a + up, a + up + vec2(reach, 0.0), b + up - vec2(reach, 0.0), b + up];
+            CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, Stroke::new(width, colour))
+        };
+        match strands {
+            Strands::Item => {
+                self.painter.add(curve(0.0));
+            }
+            Strands::List => self.painter.extend([curve(-width), curve(width)].map(Into::into)),
+            Strands::Tree => {
+                for dy in [-width, width] {
+                    let line = curve(dy).flatten(Some(1.0));
+                    let dashes =
+                        eframe::egui::Shape::dashed_line(&line, Stroke::new(width, colour), 4.0 * width, 2.5 * width);
+                    self.painter.extend(dashes);
+                }
+            }
+        }
+    }
+
+    /// All nodes that are seen; selected ones last, so that they lie on top.
+    pub fn nodes(&self, shapes: &Shapes, wanted: Wanted<'_>) {
+        let seen = self.view.seen(self.area).expand(20.0);
+        for on_top in [false, true] {
+            for shape in &shapes.nodes {
+                if self.model.selection.contains(&shape.id) == on_top && self.moved(shape).intersects(seen) {
+                    self.node(shape, wanted);
+                }
+            }
+        }
+    }
+
+    fn node(&self, shape: &Shape, wanted: Wanted<'_>) {
+        let rect = self.view.rect_to_screen(self.area, self.moved(shape));
+        let radius = CornerRadius::same(self.scaled(6.0).clamp(0.0, 18.0) as u8);
+        let worst = self.model.results.worst(&shape.id).map(|(d, _)| d.severity);
+        let off = shape.state == NodeState::Disabled;
+        let fill = if off { self.theme.node.gamma_multiply(0.6) } else { self.theme.node };
+        self.painter.rect_filled(rect, radius, fill);
+        let header = Rect::from_min_max(rect.min, pos2(rect.right(), rect.top() + self.scaled(HEADER)));
+        let top = CornerRadius { sw: 0, se: 0, ..radius };
+        let bar = match worst {
+            Some(Severity::Error) => self.theme.error,
+            Some(Severity::Warning) => self.theme.warning,
+            _ if off || shape.state == NodeState::Bypassed => self.theme.faint,
+            _ if shape.state == NodeState::Frozen => self.theme.frozen,
+            _ => theme::category_colour(&shape.info.category, &self.theme),
+        };
+        self.painter.rect_filled(header, top, bar);
+        let selected = self.model.selection.contains(&shape.id);
+        let edge = if selected { Stroke::new(2.0, self.theme.selected) } else { Stroke::new(1.0, self.theme.edge) };
+        self.painter.rect_stroke(rect, radius, edge, StrokeKind::Outside);
+        if self.view.zoom < DETAIL[1] {
+            return;
+        }
+        self.header(shape, header, bar);
+        if self.view.zoom >= DETAIL[0] {
+            for (r, row) in shape.rows.iter().enumerate() {
+                self.row(shape, r, row, wanted);
+            }
+        }
+    }
+
+    fn header(&self, shape: &Shape, header: Rect, bar: Color32) {
+        let ink = theme::ink_on(bar);
+        if self.view.zoom < DETAIL[0] {
+            // Far away the name is all that can be read; it takes the room of the whole node.
+            let rect = self.view.rect_to_screen(self.area, self.moved(shape));
+            let painter = self.painter.with_clip_rect(rect.intersect(self.painter.clip_rect()));
+            let font = FontId::proportional((14.0 * self.view.zoom).max(9.0).round());
+            painter.text(rect.center(), Align2::CENTER_CENTER, &shape.id, font, self.theme.text);
+            return;
+        }
+        let inside = header.shrink2(vec2(self.scaled(8.0), 0.0));
+        let painter = self.painter.with_clip_rect(inside.intersect(self.painter.clip_rect()));
+        painter.text(inside.left_center(), Align2::LEFT_CENTER, &shape.id, self.font(14.0), ink);
+        let badge = match (shape.state, self.model.results.nodes.get(&shape.id)) {
+            (NodeState::Disabled, _) => "off".to_owned(),
+            (NodeState::Frozen, _) => "frozen".to_owned(),
+            (NodeState::Bypassed, _) => "bypassed".to_owned(),
+            (_, Some(r)) => match r.happened {
+                Happened::Failed => "failed".to_owned(),
+                Happened::Blocked => "blocked".to_owned(),
+                _ => theme::duration(r.time),
+            },
+            _ => String::new(),
+        };
+        let size = self.painter.layout_no_wrap(badge.clone(), self.font(10.0), ink).size();
+        let room = Rect::from_min_max(pos2(inside.right() - size.x - 4.0, header.top()), header.max);
+        self.painter.rect_filled(room.shrink(1.0), 0.0, bar);
+        self.painter.text(
+            inside.right_center(),
+            Align2::RIGHT_CENTER,
+            badge,
+            self.font(10.0),
+            ink.gamma_multiply(0.85),
+        );
+    }
+
+    fn row(&self, shape: &Shape, r: usize, row: &Row, wanted: Wanted<'_>) {
+        let shift = self.moved(shape).min - shape.rect.min;
+        let rect = self.view.rect_to_screen(self.area, shape.row_rect(r).translate(shift));
+        let inside = rect.shrink2(vec2(self.scaled(10.0), self.scaled(2.0)));
+        let (text, faint) = (self.theme.text, self.theme.faint_text);
+        match row {
+            Row::Output(o) => {
+                let port = &shape.outputs[*o];
+                self.dot(pos2(rect.right(), rect.center().y), &port.type_name, wanted.map(|w| w(shape, true, *o)));
+                self.painter.text(inside.right_center(), Align2::RIGHT_CENTER, &port.name, self.font(12.0), text);
+            }
+            Row::Input(i, widget) => {
+                let port = &shape.inputs[*i];
+                if let Some(widget) = widget {
+                    self.widget(inside, widget, &port.unit, &port.name);
+                }
+                let room = self.painter.with_clip_rect(inside.intersect(self.painter.clip_rect()));
+                let ink = if matches!(widget, Some(Widget::Empty)) && port.optional { faint } else { text };
+                room.text(
+                    inside.left_center() + vec2(self.scaled(3.0), 0.0),
+                    Align2::LEFT_CENTER,
+                    &port.name,
+                    self.font(12.0),
+                    ink,
+                );
+                self.dot(pos2(rect.left(), rect.center().y), &port.type_name, wanted.map(|w| w(shape, false, *i)));
+            }
+            Row::More(count) => {
+                let words = if *count > 0 { format!("{count} more …") } else { "fewer …".to_owned() };
+                self.painter.text(inside.left_center(), Align2::LEFT_CENTER, words, self.font(11.0), faint);
+            }
+        }
+    }
+
+    fn dot(&self, at: Pos2, type_name: &str, wanted: Option<bool>) {
+        let colour = theme::type_colour(type_name);
+        let (radius, colour) = match wanted {
+            Some(true) => (self.scaled(7.0), colour),
+            Some(false) => (self.scaled(3.0), self.theme.faint),
+            None => (self.scaled(4.5), colour),
+        };
+        self.painter.circle(at, radius, colour, Stroke::new(1.0, self.theme.edge));
+    }
+
+    fn widget(&self, inside: Rect, widget: &Widget, unit: &str, name: &str) {
+        let value = match widget {
+            Widget::Empty => return,
+            Widget::Slider(s) => shown(s.value),
+            Widget::Number { value, .. } => shown(*value),
+            Widget::Toggle(on) => if *on { "yes" } else { "no" }.to_owned(),
+            Widget::Choice(t) | Widget::Text(t) => t.lines().next().unwrap_or_default().to_owned(),
+            Widget::Other(t) => t.clone(),
+        };
+        let radius = CornerRadius::same(3);
+        self.painter.rect_filled(inside, radius, self.theme.field);
+        if let Widget::Slider(s) = widget {
+            let mut filled = inside;
+            filled.set_width(inside.width() * s.along() as f32);
+            self.painter.rect_filled(filled, radius, self.theme.slider);
+        }
+        let numeric = matches!(widget, Widget::Slider(_) | Widget::Number { .. });
+        let value = if numeric && !unit.is_empty() { format!("{value} {unit}") } else { value };
+        let name_width = self.painter.layout_no_wrap(name.to_owned(), self.font(12.0), self.theme.text).size().x;
+        let mut room = inside.shrink2(vec2(self.scaled(3.0), 0.0));
+        room.min.x = (room.min.x + name_width + self.scaled(6.0)).min(room.max.x);
+        let galley = self.painter.layout_no_wrap(value, self.font(12.0), self.theme.value);
+        // Too long a value is seen from its start.
+        let x = (room.right() - galley.size().x).max(room.left());
+        let at = pos2(x, room.center().y - galley.size().y / 2.0);
+        self.painter.with_clip_rect(room.intersect(self.painter.clip_rect())).galley(at, galley, self.theme.value);
+    }
+
+    /// All of the canvas in a corner, with the part that is seen. Gives where it is on screen and what it shows.
+    pub fn map(&self, shapes: &Shapes) -> Option<(Rect, Rect)> {
+        let seen = self.view.seen(self.area);
+        let bounds = shapes.bounds()?.expand(25.0);
+        if seen.contains_rect(bounds) || self.area.width() < 420.0 || self.area.height() < 320.0 {
+            return None;
+        }
+        let scale = (150.0 / bounds.width()).min(100.0 / bounds.height());
+        let size = bounds.size() * scale;
+        let map = Rect::from_min_size(self.area.max - size - vec2(10.0, 10.0), size);
+        self.painter.rect(
+            map,
+            3.0,
+            self.theme.node.gamma_multiply(0.9),
+            Stroke::new(1.0, self.theme.edge),
+            StrokeKind::Outside,
+        );
+        let painter = self.painter.with_clip_rect(map);
+        let place = |p: Pos2| map.min + (p - bounds.min) * scale;
+        for shape in &shapes.nodes {
+            let colour = if self.model.selection.contains(&shape.id) { self.theme.selected } else { self.theme.faint };
+            let rect = self.moved(shape);
+            painter.rect_filled(Rect::from_min_max(place(rect.min), place(rect.max)), 0.0, colour);
+        }
+        let frame = Rect::from_min_max(place(seen.min), place(seen.max));
+        painter.rect_stroke(frame, 0.0, Stroke::new(1.0, self.theme.text), StrokeKind::Inside);
+        Some((map, bounds))
+    }
+}
+
+/// How a wire is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Strands {
+    /// One item.
+    Item,
+    /// A list.
+    List,
+    /// Several branches.
+    Tree,
+}

@@ -1,0 +1,207 @@
+//! How large nodes are and where their ports stand, in canvas points. Made anew when the document changes, not per frame.
+
+use crate::model::Model;
+use crate::model::catalog::{Catalog, PortInfo, TypeInfo};
+use crate::model::param::{self, Widget};
+use eframe::egui::{Pos2, Rect, Vec2, pos2, vec2};
+use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
+use tenon_engine::{InterfaceInput, Node, NodeState};
+
+/// Width of every node.
+pub const WIDTH: f32 = 190.0;
+/// Height of the bar with the title.
+pub const HEADER: f32 = 26.0;
+/// Height of a port's row.
+pub const ROW: f32 = 20.0;
+/// Room below the last row.
+pub const FOOT: f32 = 6.0;
+
+/// One row of a node.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Row {
+    /// An output, by its number.
+    Output(usize),
+    /// An input, by its number, with its widget if no wire comes to it.
+    Input(usize, Option<Widget>),
+    /// So many inputs that keep their defaults are not shown; or all are, and can be folded again.
+    More(usize),
+}
+
+/// A node as it is drawn.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// Its id.
+    pub id: String,
+    /// Its type.
+    pub info: Arc<TypeInfo>,
+    /// Where it stands.
+    pub rect: Rect,
+    /// Its rows from top to bottom.
+    pub rows: Vec<Row>,
+    /// On, frozen or disabled.
+    pub state: NodeState,
+    /// Its inputs, those that only the file knows included.
+    pub inputs: Vec<PortInfo>,
+    /// Its outputs, those that only wires speak of included.
+    pub outputs: Vec<PortInfo>,
+}
+
+impl Shape {
+    /// The middle of a row.
+    #[must_use]
+    pub fn row_y(&self, row: usize) -> f32 {
+        self.rect.top() + HEADER + (row as f32 + 0.5) * ROW
+    }
+
+    /// The area of a row.
+    #[must_use]
+    pub fn row_rect(&self, row: usize) -> Rect {
+        let top = self.rect.top() + HEADER + row as f32 * ROW;
+        Rect::from_min_size(pos2(self.rect.left(), top), vec2(self.rect.width(), ROW))
+    }
+
+    /// Where wires to an input end; an input that is folded away ends at the header.
+    #[must_use]
+    pub fn input(&self, port: usize) -> Pos2 {
+        let row = self.rows.iter().position(|r| matches!(r, Row::Input(p, _) if *p == port));
+        let more = || self.rows.iter().position(|r| matches!(r, Row::More(_)));
+        let y = row.or_else(more).map_or(self.rect.top() + HEADER / 2.0, |r| self.row_y(r));
+        pos2(self.rect.left(), y)
+    }
+
+    /// Where wires from an output begin.
+    #[must_use]
+    pub fn output(&self, port: usize) -> Pos2 {
+        let row = self.rows.iter().position(|r| matches!(r, Row::Output(p) if *p == port));
+        pos2(self.rect.right(), row.map_or(self.rect.top() + HEADER / 2.0, |r| self.row_y(r)))
+    }
+}
+
+/// One wire.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wire {
+    /// `node.port` that it comes from.
+    pub from: String,
+    /// The shape and output that it comes from; none if the node is not there.
+    pub source: Option<(usize, usize)>,
+    /// The shape that it goes to.
+    pub to: usize,
+    /// The input there.
+    pub port: usize,
+}
+
+/// All nodes and wires of a document.
+#[derive(Default)]
+pub struct Shapes {
+    /// Nodes by id.
+    pub nodes: Vec<Shape>,
+    /// Wires in order of the nodes that they go to.
+    pub wires: Vec<Wire>,
+    number: HashMap<String, usize>,
+    made_for: Option<(u64, u64)>,
+}
+
+impl Shapes {
+    /// The number of a node.
+    #[must_use]
+    pub fn find(&self, id: &str) -> Option<usize> {
+        self.number.get(id).copied()
+    }
+
+    /// Everything that is drawn, or none if nothing is.
+    #[must_use]
+    pub fn bounds(&self) -> Option<Rect> {
+        self.nodes.iter().map(|s| s.rect).reduce(Rect::union)
+    }
+
+    /// Brings all up to the document, if it has changed; `unfolded` are nodes that show all inputs, and `folds` counts
+    /// its changes. O(nodes + wires).
+    pub fn update(&mut self, model: &Model, unfolded: &BTreeSet<String>, folds: u64) {
+        if self.made_for == Some((model.revision(), folds)) {
+            return;
+        }
+        self.made_for = Some((model.revision(), folds));
+        let document = model.document();
+        let mut bound: HashMap<&str, &InterfaceInput> = HashMap::new();
+        for input in document.inputs.values() {
+            bound.extend(input.ports.iter().map(|p| (p.as_str(), input)));
+        }
+        self.nodes.clear();
+        self.number.clear();
+        for (id, node) in document.nodes() {
+            self.number.insert(id.clone(), self.nodes.len());
+            let at = document.position(id).unwrap_or_default().map(|v| v as f32);
+            let info = model.catalog.of(node);
+            let range = |port: &str| bound.get(format!("{id}.{port}").as_str()).copied();
+            self.nodes.push(shape(id, node, info, pos2(at[0], at[1]), unfolded.contains(id), range));
+        }
+        self.wires.clear();
+        for (id, node) in document.nodes() {
+            let Some(to) = self.find(id) else { continue };
+            for (name, wires) in &node.inputs {
+                let Some(port) = self.nodes[to].inputs.iter().position(|p| p.name == *name) else { continue };
+                for from in &wires.from {
+                    let source = self.source(from);
+                    self.wires.push(Wire { from: from.clone(), source, to, port });
+                }
+            }
+        }
+    }
+
+    /// The output that an address names; a node of unknown type gets it by being asked for it.
+    fn source(&mut self, address: &str) -> Option<(usize, usize)> {
+        let (id, name) = address.split_once('.')?;
+        let n = self.find(id)?;
+        let shape = &mut self.nodes[n];
+        if let Some(o) = shape.outputs.iter().position(|p| p.name == name) {
+            return Some((n, o));
+        }
+        if shape.info.known {
+            return None;
+        }
+        shape.outputs.push(Catalog::unknown_port(name));
+        shape.rows.insert(shape.outputs.len() - 1, Row::Output(shape.outputs.len() - 1));
+        shape.rect.set_height(shape.rect.height() + ROW);
+        Some((n, shape.outputs.len() - 1))
+    }
+
+    /// How large a node would be, for arranging.
+    #[must_use]
+    pub fn size(&self, id: &str) -> [f64; 2] {
+        let size = self.find(id).map_or(Vec2::ZERO, |n| self.nodes[n].rect.size());
+        [f64::from(size.x), f64::from(size.y)]
+    }
+}
+
+fn shape<'a>(
+    id: &str,
+    node: &Node,
+    info: Arc<TypeInfo>,
+    at: Pos2,
+    unfolded: bool,
+    bound: impl Fn(&str) -> Option<&'a InterfaceInput>,
+) -> Shape {
+    let mut rows: Vec<Row> = (0..info.outputs.len()).map(Row::Output).collect();
+    let mut folded = 0;
+    for (p, port) in info.inputs.iter().enumerate() {
+        let wired = node.inputs.get(&port.name).is_some_and(|w| !w.from.is_empty());
+        let set = node.params.contains_key(&port.name);
+        let needed = port.default.is_none() && !port.optional;
+        let few = info.inputs.len() <= 3;
+        if !(wired || set || needed || unfolded || few || bound(&port.name).is_some()) {
+            folded += 1;
+            continue;
+        }
+        let widget = (!wired).then(|| param::widget(port, node.params.get(&port.name), bound(&port.name)));
+        rows.push(Row::Input(p, widget));
+    }
+    if folded > 0 {
+        rows.push(Row::More(folded));
+    } else if unfolded && info.inputs.len() > 3 {
+        rows.push(Row::More(0));
+    }
+    let size = vec2(WIDTH, HEADER + rows.len() as f32 * ROW + FOOT);
+    let (inputs, outputs) = (info.inputs.clone(), info.outputs.clone());
+    Shape { id: id.to_owned(), rect: Rect::from_min_size(at, size), rows, state: node.state, inputs, outputs, info }
+}

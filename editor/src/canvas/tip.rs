@@ -1,0 +1,87 @@
+//! What a tooltip says of a node or a port: what it is for, and what stands there now.
+
+use super::shape::Shape;
+use crate::model::Model;
+use crate::theme;
+use eframe::egui::{RichText, Ui};
+use tenon_engine::{Access, Tree};
+
+/// The lines for a node.
+pub fn node(ui: &mut Ui, model: &Model, shape: &Shape) {
+    ui.set_max_width(340.0);
+    ui.strong(format!("{} ({})", shape.info.title, shape.info.type_name));
+    ui.label(&shape.info.doc);
+    if let Some(note) = model.document().nodes().get(&shape.id).and_then(|n| n.note.as_ref()) {
+        ui.label(RichText::new(note).italics());
+    }
+    if let Some(r) = model.results.nodes.get(&shape.id) {
+        ui.weak(format!("{} in {}, {}", r.happened.as_str(), theme::duration(r.time), bytes(r.bytes)));
+    }
+    if let Some((worst, count)) = model.results.worst(&shape.id) {
+        ui.separator();
+        ui.colored_label(theme::Theme::of(ui).error, &worst.message);
+        if let Some(hint) = &worst.hint {
+            ui.label(&**hint);
+        }
+        if count > 1 {
+            ui.weak(format!("and {} more", count - 1));
+        }
+    }
+}
+
+/// The lines for a port.
+pub fn port(ui: &mut Ui, model: &Model, shape: &Shape, port: usize, output: bool) {
+    let Some(info) = (if output { shape.outputs.get(port) } else { shape.inputs.get(port) }) else { return };
+    ui.set_max_width(340.0);
+    let access = match info.access {
+        Access::Item => "",
+        Access::List => "list of ",
+        Access::Tree => "tree of ",
+    };
+    let unit = if info.unit.is_empty() { String::new() } else { format!(", {}", info.unit) };
+    ui.strong(format!("{}: {access}{}{unit}", info.name, info.type_name));
+    ui.label(&info.doc);
+    if let Some((min, max)) = info.range {
+        ui.weak(format!("from {min} to {max}"));
+    }
+    if output {
+        match model.results.values.get(&format!("{}.{}", shape.id, info.name)) {
+            Some(tree) => ui.weak(value(tree)),
+            None => ui.weak("no value yet"),
+        };
+        return;
+    }
+    let node = model.document().nodes().get(&shape.id);
+    let wires = node.and_then(|n| n.inputs.get(&info.name)).map_or(&[][..], |w| &w.from);
+    for from in wires.iter().take(6) {
+        let there = model.results.values.get(from).map_or_else(|| "no value yet".to_owned(), value);
+        ui.weak(format!("from {from}: {there}"));
+    }
+    if wires.len() > 6 {
+        ui.weak(format!("and {} wires more", wires.len() - 6));
+    }
+}
+
+/// A value in one line: branches, items, and what the first ones are.
+#[must_use]
+pub fn value(tree: &Tree) -> String {
+    let (branches, items) = (tree.branches().len(), tree.len());
+    let shape = match (branches, items) {
+        (1, 1) => String::new(),
+        (1, n) => format!("{n} items, "),
+        (b, n) => format!("{b} branches, {n} items, "),
+    };
+    let summary = tree.summary();
+    let short: String = summary.chars().take(200).collect();
+    format!("{shape}{short}")
+}
+
+/// A size for people.
+#[must_use]
+pub fn bytes(n: usize) -> String {
+    match n as f64 {
+        b if b >= 1e6 => format!("{:.1} MB", b / 1e6),
+        b if b >= 1e3 => format!("{:.1} kB", b / 1e3),
+        b => format!("{b} B"),
+    }
+}

@@ -1,0 +1,232 @@
+//! What node types there are, in the words that views need: ports with units, ranges and defaults, which wires fit, and
+//! the search of the finder.
+
+use std::collections::{BTreeMap, HashSet};
+use std::sync::Arc;
+use tenon_engine::{Access, Json, Node, NodeType, Registry};
+
+/// One input or output.
+#[derive(Clone, Debug)]
+pub struct PortInfo {
+    /// Its name.
+    pub name: String,
+    /// Name of its item type; `any` takes and gives all.
+    pub type_name: String,
+    /// How the node sees what arrives.
+    pub access: Access,
+    /// Sign of its unit, or empty.
+    pub unit: String,
+    /// Smallest and largest number accepted.
+    pub range: Option<(f64, f64)>,
+    /// The literal used without wire and parameter.
+    pub default: Option<Json>,
+    /// The texts accepted; empty: all.
+    pub choices: Vec<String>,
+    /// The node runs without it.
+    pub optional: bool,
+    /// The text names a file.
+    pub file: bool,
+    /// What it means.
+    pub doc: String,
+}
+
+/// A node type.
+#[derive(Clone, Debug)]
+pub struct TypeInfo {
+    /// Name in the file.
+    pub type_name: String,
+    /// Its version.
+    pub version: u32,
+    /// Name for people.
+    pub title: String,
+    /// Where a palette shows it.
+    pub category: String,
+    /// What it does.
+    pub doc: String,
+    /// Other words to find it by.
+    pub keywords: Vec<String>,
+    /// Its inputs.
+    pub inputs: Vec<PortInfo>,
+    /// Its outputs.
+    pub outputs: Vec<PortInfo>,
+    /// False for a type that nobody here knows.
+    pub known: bool,
+}
+
+/// All node types, and what turns into what on wires.
+#[derive(Debug, Default)]
+pub struct Catalog {
+    types: BTreeMap<String, Arc<TypeInfo>>,
+    conversions: HashSet<(String, String)>,
+}
+
+fn text(json: &Json, key: &str) -> String {
+    json.get(key).and_then(Json::as_str).unwrap_or_default().to_owned()
+}
+
+fn texts(json: &Json, key: &str) -> Vec<String> {
+    let list = json.get(key).and_then(Json::as_array);
+    list.into_iter().flatten().filter_map(Json::as_str).map(str::to_owned).collect()
+}
+
+fn flag(json: &Json, key: &str) -> bool {
+    json.get(key).and_then(Json::as_bool).unwrap_or(false)
+}
+
+fn port(port: &tenon_engine::Port) -> PortInfo {
+    let json = port.describe();
+    let number = |key: &str| json.get(key).and_then(Json::as_f64);
+    PortInfo {
+        name: port.name().to_owned(),
+        type_name: port.type_name().to_owned(),
+        access: port.access(),
+        unit: text(&json, "unit"),
+        range: number("min").zip(number("max")),
+        default: json.get("default").cloned(),
+        choices: texts(&json, "choices"),
+        optional: flag(&json, "optional"),
+        file: flag(&json, "file"),
+        doc: text(&json, "doc"),
+    }
+}
+
+fn info(node_type: &NodeType) -> TypeInfo {
+    let json = node_type.describe();
+    TypeInfo {
+        type_name: node_type.type_name().to_owned(),
+        version: node_type.version(),
+        title: node_type.title().to_owned(),
+        category: node_type.category_name().to_owned(),
+        doc: text(&json, "doc"),
+        keywords: texts(&json, "keywords"),
+        inputs: node_type.inputs().iter().map(port).collect(),
+        outputs: node_type.outputs().iter().map(port).collect(),
+        known: true,
+    }
+}
+
+impl Catalog {
+    /// Everything that a registry knows.
+    #[must_use]
+    pub fn new(registry: &Registry) -> Self {
+        Self {
+            types: registry.iter().map(|t| (t.type_name().to_owned(), Arc::new(info(t)))).collect(),
+            conversions: registry.conversions().iter().map(|c| (c.from.to_owned(), c.to.to_owned())).collect(),
+        }
+    }
+
+    /// The node type of that name.
+    #[must_use]
+    pub fn get(&self, type_name: &str) -> Option<&Arc<TypeInfo>> {
+        self.types.get(type_name)
+    }
+
+    /// The type of a node; of one that nobody knows, the inputs that the file speaks of.
+    #[must_use]
+    pub fn of(&self, node: &Node) -> Arc<TypeInfo> {
+        if let Some(known) = self.get(&node.type_name) {
+            return known.clone();
+        }
+        let mut names: Vec<&String> = node.inputs.keys().chain(node.params.keys()).collect();
+        names.sort();
+        names.dedup();
+        Arc::new(TypeInfo {
+            type_name: node.type_name.clone(),
+            version: node.version,
+            title: node.type_name.clone(),
+            category: String::new(),
+            doc: format!("The node type \"{}\" is not known here. The node is kept as it is.", node.type_name),
+            keywords: Vec::new(),
+            inputs: names.into_iter().map(|n| Self::unknown_port(n)).collect(),
+            outputs: Vec::new(),
+            known: false,
+        })
+    }
+
+    /// A port that only a wire speaks of.
+    #[must_use]
+    pub fn unknown_port(name: &str) -> PortInfo {
+        PortInfo {
+            name: name.to_owned(),
+            type_name: "any".to_owned(),
+            access: Access::Tree,
+            unit: String::new(),
+            range: None,
+            default: None,
+            choices: Vec::new(),
+            optional: true,
+            file: false,
+            doc: "Not known here.".to_owned(),
+        }
+    }
+
+    /// Whether a wire may go from an output of one type to an input of another.
+    #[must_use]
+    pub fn fits(&self, from: &str, to: &str) -> bool {
+        from == to || from == "any" || to == "any" || self.conversions.contains(&(from.to_owned(), to.to_owned()))
+    }
+
+    /// Node types by how well they fit what was typed, the best first; all of them for an empty text. `like` keeps only
+    /// those that pass. O(types).
+    #[must_use]
+    pub fn find(&self, typed: &str, like: impl Fn(&TypeInfo) -> bool) -> Vec<Arc<TypeInfo>> {
+        let typed = typed.trim().to_lowercase();
+        let mut found: Vec<(u32, &Arc<TypeInfo>)> =
+            self.types.values().filter(|t| like(t)).filter_map(|t| rank(t, &typed).map(|r| (r, t))).collect();
+        found.sort_by(|a, b| (a.0, &a.1.category, &a.1.title).cmp(&(b.0, &b.1.category, &b.1.title)));
+        found.into_iter().map(|(_, t)| t.clone()).collect()
+    }
+}
+
+/// How far a type is from what was typed; lower is better, `None` if it has nothing of it.
+fn rank(t: &TypeInfo, typed: &str) -> Option<u32> {
+    if typed.is_empty() {
+        return Some(0);
+    }
+    let (title, name) = (t.title.to_lowercase(), t.type_name.to_lowercase());
+    if title == typed || name == typed {
+        return Some(0);
+    }
+    if title.starts_with(typed) || name.starts_with(typed) {
+        return Some(1);
+    }
+    if title.contains(typed) || name.contains(typed) {
+        return Some(2);
+    }
+    if t.keywords.iter().any(|k| k.to_lowercase().contains(typed)) {
+        return Some(3);
+    }
+    if t.category.to_lowercase().contains(typed) {
+        return Some(4);
+    }
+    let mut letters = title.chars();
+    if typed.chars().filter(|c| !c.is_whitespace()).all(|c| letters.any(|l| l == c)) {
+        return Some(5);
+    }
+    t.doc.to_lowercase().contains(typed).then_some(6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn catalog() -> Catalog {
+        Catalog::new(&tenon_nodes::registry())
+    }
+
+    #[test]
+    fn the_finder_knows_names_keywords_and_letters_in_order() {
+        let first = |typed| catalog().find(typed, |_| true).first().map(|t| t.type_name.clone());
+        assert_eq!(first("thicken").as_deref(), Some("thicken"));
+        assert_eq!(first("takagi").as_deref(), Some("ifs_curve"));
+        assert_eq!(first("itcrv").as_deref(), Some("ifs_curve"));
+        assert!(catalog().find("no such thing", |_| true).is_empty());
+    }
+
+    #[test]
+    fn wires_fit_equal_any_and_converted_types() {
+        let c = catalog();
+        assert!(c.fits("curve", "curve") && c.fits("any", "curve") && c.fits("integer", "number"));
+        assert!(!c.fits("curve", "mesh") && !c.fits("number", "integer"));
+    }
+}

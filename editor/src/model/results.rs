@@ -1,0 +1,115 @@
+//! What the evaluation has found so far, in the form in which views ask for it.
+
+use super::worker::{Done, Stage, Update};
+use crate::scene::Drawing;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+use std::time::Duration;
+use tenon_engine::{Diagnostic, Happened, Progress, Severity, Tree};
+
+/// What happened to a node when it was last looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NodeResult {
+    /// What happened.
+    pub happened: Happened,
+    /// How long it ran when it last did.
+    pub time: Duration,
+    /// Bytes of its outputs.
+    pub bytes: usize,
+}
+
+/// What the evaluation has found so far.
+#[derive(Default)]
+pub struct Results {
+    /// Values by `node.port`.
+    pub values: HashMap<String, Tree>,
+    /// What happened to nodes, by id.
+    pub nodes: HashMap<String, NodeResult>,
+    /// All that is wrong, errors first.
+    pub diagnostics: Vec<Diagnostic>,
+    /// What the viewport shows, by `node.port`.
+    pub drawings: BTreeMap<String, Arc<Drawing>>,
+    /// How far the running evaluation is.
+    pub progress: Option<Progress>,
+    /// How long the last evaluation of the whole graph took.
+    pub elapsed: Duration,
+    /// How long the last evaluation of what is shown took.
+    pub shown_in: Duration,
+    /// The last evaluation was stopped.
+    pub cancelled: bool,
+    /// Counts what was taken.
+    pub count: u64,
+    revision: u64,
+    stage: Option<Stage>,
+}
+
+impl Results {
+    pub(super) fn take(&mut self, update: Update) {
+        match update {
+            Update::Progress(progress) => self.progress = Some(progress),
+            Update::Done(done) => self.done(*done),
+            Update::Lost(_) => {}
+        }
+    }
+
+    fn done(&mut self, done: Done) {
+        self.count += 1;
+        self.progress = None;
+        self.cancelled = done.report.cancelled;
+        self.revision = done.revision;
+        self.stage = Some(done.stage);
+        if done.report.cancelled {
+            return;
+        }
+        match done.stage {
+            Stage::Shown => self.shown_in = done.report.elapsed,
+            Stage::All => self.elapsed = done.report.elapsed,
+        }
+        for n in &done.report.nodes {
+            let entry = self.nodes.entry(n.id.to_string());
+            let node = entry.or_insert(NodeResult { happened: n.happened, time: n.time, bytes: n.bytes });
+            // A node that did not run again keeps the time that it took when it did.
+            let time = if n.happened == Happened::Executed { n.time } else { node.time };
+            *node = NodeResult { happened: n.happened, time, bytes: n.bytes };
+        }
+        if done.stage == Stage::All {
+            self.diagnostics = done.report.diagnostics;
+            for fault in done.faults {
+                if !self.diagnostics.contains(&fault) {
+                    self.diagnostics.push(fault);
+                }
+            }
+        } else {
+            // Of what was not looked at, what is known stays until the whole graph has been.
+            let seen = |d: &Diagnostic| d.node.as_deref().is_some_and(|id| done.report.node(id).is_some());
+            self.diagnostics.retain(|d| !seen(d));
+            for new in done.report.diagnostics {
+                if !self.diagnostics.contains(&new) {
+                    self.diagnostics.push(new);
+                }
+            }
+        }
+        self.diagnostics.sort_by(|a, b| b.severity.cmp(&a.severity).then_with(|| a.node.cmp(&b.node)));
+        self.values = done.values;
+        self.drawings = done.drawings;
+    }
+
+    pub(super) fn settled(&self, sent: u64) -> bool {
+        self.revision == sent && self.stage == Some(Stage::All)
+    }
+
+    /// The worst that is said of a node, and how many things are said of it. O(diagnostics).
+    #[must_use]
+    pub fn worst(&self, id: &str) -> Option<(&Diagnostic, usize)> {
+        let mut all = self.diagnostics.iter().filter(|d| d.node.as_deref() == Some(id));
+        let first = all.next()?;
+        Some((first, 1 + all.count()))
+    }
+
+    /// Numbers of errors and warnings.
+    #[must_use]
+    pub fn counts(&self) -> (usize, usize) {
+        let count = |s| self.diagnostics.iter().filter(|d| d.severity == s).count();
+        (count(Severity::Error), count(Severity::Warning))
+    }
+}

@@ -1,0 +1,300 @@
+//! Evaluation beside the window. One thread holds the session; edits go to it in order, and what it finds comes back in
+//! updates. First comes what the viewport shows, then everything else; a new edit stops the second, never the window.
+
+use crate::scene::{self, Drawing};
+use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use tenon_engine::{
+    Control, Diagnostic, Document, Host, Operation, Options, Progress, Registry, Report, Session, Tree,
+};
+
+/// What is shown may take this long before a new edit stops it.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// Memory for remembered results, bytes.
+const CACHE: usize = 1 << 30;
+
+/// What an evaluation was for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// What the viewport shows.
+    Shown,
+    /// The whole graph.
+    All,
+}
+
+enum Request {
+    Open(Box<Document>, Arc<dyn Host>),
+    Edit(Operation),
+    Show(Vec<String>),
+    Again,
+}
+
+/// What the thread tells.
+pub enum Update {
+    /// How far the evaluation is.
+    Progress(Progress),
+    /// An evaluation ended.
+    Done(Box<Done>),
+    /// An edit was refused that the document had taken: the document must be sent anew.
+    Lost(Diagnostic),
+}
+
+/// An evaluation that ended.
+pub struct Done {
+    /// What it was for.
+    pub stage: Stage,
+    /// How many requests it knew of.
+    pub revision: u64,
+    /// The engine's report.
+    pub report: Report,
+    /// What keeps the graph from running as it stands.
+    pub faults: Vec<Diagnostic>,
+    /// All values in memory, by `node.port`.
+    pub values: HashMap<String, Tree>,
+    /// What the viewport shows, by `node.port`.
+    pub drawings: BTreeMap<String, Arc<Drawing>>,
+}
+
+struct Running {
+    stage: Stage,
+    since: Instant,
+    cancel: Arc<AtomicBool>,
+}
+
+#[derive(Default)]
+struct Shared {
+    pending: AtomicUsize,
+    running: Mutex<Option<Running>>,
+}
+
+impl Shared {
+    fn running(&self) -> std::sync::MutexGuard<'_, Option<Running>> {
+        self.running.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The thread that evaluates. It ends when this is dropped.
+pub struct Worker {
+    requests: Option<Sender<Request>>,
+    updates: Receiver<Update>,
+    shared: Arc<Shared>,
+    sent: u64,
+    thread: Option<std::thread::JoinHandle<()>>,
+}
+
+impl Worker {
+    /// Starts the thread with an empty document; `wake` is called from it whenever there is an update.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub fn start(registry: Arc<Registry>, wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
+        let (requests, inbox) = channel();
+        let (outbox, updates) = channel();
+        let shared = Arc::new(Shared::default());
+        let thread = std::thread::Builder::new().name("evaluation".into()).spawn({
+            let shared = shared.clone();
+            move || {
+                let tell = Tell { outbox, wake: Box::new(wake) };
+                Evaluator { registry, inbox, tell, shared, shown: Vec::new(), known: HashMap::new(), seen: 0 }.run();
+            }
+        })?;
+        Ok(Self { requests: Some(requests), updates, shared, sent: 0, thread: Some(thread) })
+    }
+
+    /// Takes another document; files that nodes name come from `host`.
+    pub fn open(&mut self, document: Document, host: Arc<dyn Host>) {
+        self.send(Request::Open(Box::new(document), host));
+    }
+
+    /// Changes the document.
+    pub fn edit(&mut self, operation: Operation) {
+        self.send(Request::Edit(operation));
+    }
+
+    /// Says which outputs (`node.port`) the viewport shows.
+    pub fn show(&mut self, outputs: Vec<String>) {
+        self.send(Request::Show(outputs));
+    }
+
+    /// Evaluates once more, as after a cancelled run or a changed file.
+    pub fn again(&mut self) {
+        self.send(Request::Again);
+    }
+
+    fn send(&mut self, request: Request) {
+        self.sent += 1;
+        self.shared.pending.fetch_add(1, Ordering::SeqCst);
+        if let Some(requests) = &self.requests {
+            // It fails only if the thread has ended, which is told by `alive`.
+            let _ = requests.send(request);
+        }
+        if let Some(running) = &*self.shared.running()
+            && (running.stage == Stage::All || running.since.elapsed() > PATIENCE)
+        {
+            running.cancel.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Stops what runs now; false if nothing does.
+    pub fn cancel(&self) -> bool {
+        let running = self.shared.running();
+        running.iter().for_each(|r| r.cancel.store(true, Ordering::Relaxed));
+        running.is_some()
+    }
+
+    /// Requests sent so far; an update with this revision knows all of them.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.sent
+    }
+
+    /// The next update, if there is one; never waits.
+    pub fn poll(&self) -> Option<Update> {
+        self.updates.try_recv().ok()
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.requests = None;
+        self.cancel();
+        if let Some(thread) = self.thread.take() {
+            // A panic there has nothing left to spoil here.
+            let _ = thread.join();
+        }
+    }
+}
+
+struct Tell {
+    outbox: Sender<Update>,
+    wake: Box<dyn Fn() + Send + Sync>,
+}
+
+impl Tell {
+    fn tell(&self, update: Update) {
+        // Nobody listens any more once the window is closed.
+        let _ = self.outbox.send(update);
+        (self.wake)();
+    }
+}
+
+struct Evaluator {
+    registry: Arc<Registry>,
+    inbox: Receiver<Request>,
+    tell: Tell,
+    shared: Arc<Shared>,
+    shown: Vec<String>,
+    /// Drawings by digest of what they show, so that what did not change is not drawn anew.
+    known: HashMap<u128, Arc<Drawing>>,
+    seen: u64,
+}
+
+impl Evaluator {
+    fn run(mut self) {
+        let mut session = Session::new(self.registry.clone(), Document::new(), Options::default());
+        while let Ok(request) = self.inbox.recv() {
+            self.take(&mut session, request);
+            while let Ok(request) = self.inbox.try_recv() {
+                self.take(&mut session, request);
+            }
+            let shown: Vec<String> = self.shown.iter().filter(|s| session.knows(s).is_ok()).cloned().collect();
+            let stopped = !shown.is_empty() && self.evaluate(&mut session, Stage::Shown, &shown);
+            if !stopped && self.shared.pending.load(Ordering::SeqCst) == 0 {
+                let ends = ends(&session);
+                self.evaluate(&mut session, Stage::All, &ends);
+            }
+        }
+    }
+
+    fn take(&mut self, session: &mut Session, request: Request) {
+        self.shared.pending.fetch_sub(1, Ordering::SeqCst);
+        self.seen += 1;
+        match request {
+            Request::Open(document, host) => {
+                let options = Options { cache_bytes: CACHE, host, ..Options::default() };
+                *session = Session::new(self.registry.clone(), *document, options);
+                self.known.clear();
+            }
+            Request::Edit(operation) => {
+                if let Err(diagnostic) = session.edit(&operation) {
+                    self.tell.tell(Update::Lost(diagnostic));
+                }
+            }
+            Request::Show(shown) => self.shown = shown,
+            Request::Again => {}
+        }
+    }
+
+    /// True if it was stopped.
+    fn evaluate(&mut self, session: &mut Session, stage: Stage, targets: &[String]) -> bool {
+        let cancel = Arc::new(AtomicBool::new(false));
+        *self.shared.running() = Some(Running { stage, since: Instant::now(), cancel: cancel.clone() });
+        // A request that came before this could be stopped has not stopped it.
+        let overtaken = stage == Stage::All && self.shared.pending.load(Ordering::SeqCst) > 0;
+        let targets: Vec<&str> = targets.iter().map(String::as_str).collect();
+        let report = if overtaken || targets.is_empty() {
+            Report { cancelled: overtaken, ..Report::default() }
+        } else {
+            let progress = |p: &Progress| self.tell.tell(Update::Progress(p.clone()));
+            session.evaluate(&targets, &Control { cancel, on_progress: Some(&progress) })
+        };
+        *self.shared.running() = None;
+        session.take_events();
+        let stopped = report.cancelled;
+        let faults = if stage == Stage::All { session.document().validate(&self.registry) } else { Vec::new() };
+        let (values, drawings) = (values(session), self.draw(session));
+        let done = Done { stage, revision: self.seen, report, faults, values, drawings };
+        self.tell.tell(Update::Done(Box::new(done)));
+        stopped
+    }
+
+    fn draw(&mut self, session: &Session) -> BTreeMap<String, Arc<Drawing>> {
+        let mut drawings = BTreeMap::new();
+        let mut known = HashMap::new();
+        for address in &self.shown {
+            let Some(tree) = session.value(address) else { continue };
+            let drawing = self.known.get(&tree.digest()).cloned().or_else(|| scene::draw(&tree).map(Arc::new));
+            if let Some(drawing) = drawing {
+                known.insert(tree.digest(), drawing.clone());
+                drawings.insert(address.clone(), drawing);
+            }
+        }
+        self.known = known;
+        drawings
+    }
+}
+
+/// One output of every node that nothing follows: with them, all nodes are brought up to date.
+fn ends(session: &Session) -> Vec<String> {
+    let nodes = session.document().nodes();
+    let mut inner = std::collections::HashSet::new();
+    for node in nodes.values() {
+        for (_, wires) in &node.inputs {
+            inner.extend(wires.from.iter().filter_map(|f| f.split_once('.')).map(|(id, _)| id));
+        }
+    }
+    let ends = nodes.iter().filter(|(id, _)| !inner.contains(id.as_str()));
+    ends.filter_map(|(id, node)| {
+        let output = session.registry().get(&node.type_name)?.outputs().first()?;
+        Some(format!("{id}.{}", output.name()))
+    })
+    .collect()
+}
+
+fn values(session: &Session) -> HashMap<String, Tree> {
+    let mut values = HashMap::new();
+    for (id, node) in session.document().nodes() {
+        let Some(node_type) = session.registry().get(&node.type_name) else { continue };
+        for port in node_type.outputs() {
+            let address = format!("{id}.{}", port.name());
+            if let Some(tree) = session.value(&address) {
+                values.insert(address, tree);
+            }
+        }
+    }
+    values
+}

@@ -1,0 +1,45 @@
+//! The keys, by what one wants to do (F1).
+
+use eframe::egui::{Grid, ScrollArea, Ui, Window};
+
+const KEYS: &[(&str, &str)] = &[
+    ("double-click on the canvas", "find a node and add it"),
+    ("drag from a port", "draw a wire; let go on the canvas: find a node for it"),
+    ("Ctrl and drag from an input", "take the last wire off it"),
+    ("click, Shift and click, drag a frame", "select nodes"),
+    ("drag a node", "move what is selected"),
+    ("drag a value", "slide it; double-click: type it"),
+    ("double-click a node's title", "rename it"),
+    ("right-click a node", "enable, freeze, bypass, disable, show, group …"),
+    ("right or middle drag, Space and drag", "move the canvas"),
+    ("wheel", "zoom to the pointer, on the canvas and in the viewport"),
+    ("Ctrl+Z, Ctrl+Y or Ctrl+Shift+Z", "undo, redo"),
+    ("Ctrl+C, Ctrl+X, Ctrl+V, Ctrl+D", "copy, cut, paste, duplicate"),
+    ("Delete", "delete what is selected"),
+    ("Ctrl+A, Ctrl+G", "select all, group"),
+    ("Ctrl+N, Ctrl+O, Ctrl+S, Ctrl+Shift+S", "new, open, save, save as"),
+    ("Esc", "stop the evaluation; then: select nothing"),
+    ("F5", "evaluate again"),
+    ("drag in the viewport", "turn; with Shift or the middle button: move"),
+    (
+        "drag a point in the viewport",
+        "move it in a plane; with X, Y or Z held along that axis, with Shift on a grid of 10 mm",
+    ),
+    ("click a panel", "select it and its node"),
+    ("F over the viewport", "show all, or what is selected"),
+];
+
+/// Shows the keys in a window while `open`.
+pub fn help(ui: &Ui, open: &mut bool) {
+    Window::new("Keys").open(open).default_width(560.0).show(ui.ctx(), |ui| {
+        ScrollArea::vertical().show(ui, |ui| {
+            Grid::new("keys").striped(true).num_columns(2).show(ui, |ui| {
+                for (keys, what) in KEYS {
+                    ui.strong(*keys);
+                    ui.label(*what);
+                    ui.end_row();
+                }
+            });
+        });
+    });
+}

@@ -1,0 +1,102 @@
+//! Below the canvas: all that is wrong, and where the time goes. A click goes to the node.
+
+use crate::model::Model;
+use crate::theme::{self, Theme};
+use eframe::egui::{Align2, FontId, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};
+use tenon_engine::Severity;
+
+/// What stands below the canvas.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tab {
+    /// All that is wrong.
+    Problems,
+    /// Where the time goes.
+    Profile,
+}
+
+/// The panel below the canvas.
+#[derive(Default)]
+pub struct Lower {
+    /// What it shows; none: it is closed.
+    pub tab: Option<Tab>,
+}
+
+impl Lower {
+    /// Opens at a tab, or closes if it shows that.
+    pub fn toggle(&mut self, tab: Tab) {
+        self.tab = if self.tab == Some(tab) { None } else { Some(tab) };
+    }
+
+    /// Shows it; gives the node that was clicked.
+    pub fn show(&mut self, ui: &mut Ui, model: &Model) -> Option<String> {
+        ui.horizontal(|ui| {
+            for (tab, words) in [(Tab::Problems, "Problems"), (Tab::Profile, "Profile")] {
+                if ui.selectable_label(self.tab == Some(tab), words).clicked() {
+                    self.tab = Some(tab);
+                }
+            }
+            if ui.small_button("✕").clicked() {
+                self.tab = None;
+            }
+        });
+        ui.separator();
+        match self.tab? {
+            Tab::Problems => problems(ui, model),
+            Tab::Profile => profile(ui, model),
+        }
+    }
+}
+
+fn problems(ui: &mut Ui, model: &Model) -> Option<String> {
+    let all = &model.results.diagnostics;
+    if all.is_empty() {
+        ui.weak("Nothing is wrong.");
+        return None;
+    }
+    let (theme, mut go) = (Theme::of(ui), None);
+    let height = ui.text_style_height(&eframe::egui::TextStyle::Body) + 4.0;
+    ScrollArea::vertical().auto_shrink(false).show_rows(ui, height, all.len(), |ui, rows| {
+        for d in all.get(rows).unwrap_or(&[]) {
+            let colour = match d.severity {
+                Severity::Error => theme.error,
+                Severity::Warning => theme.warning,
+                Severity::Note => theme.faint_text,
+            };
+            let row = ui.selectable_label(false, RichText::new(d.to_string()).color(colour));
+            if row.clicked() {
+                go = d.node.as_ref().map(ToString::to_string);
+            }
+        }
+    });
+    go
+}
+
+fn profile(ui: &mut Ui, model: &Model) -> Option<String> {
+    let mut all: Vec<_> =
+        model.results.nodes.iter().filter(|(id, _)| model.document().nodes().contains_key(*id)).collect();
+    all.sort_by(|a, b| b.1.time.cmp(&a.1.time).then_with(|| a.0.cmp(b.0)));
+    let most = all.first().map_or(0.0, |(_, r)| r.time.as_secs_f64()).max(1e-9);
+    let (theme, mut go) = (Theme::of(ui), None);
+    let font = FontId::proportional(13.0);
+    ScrollArea::vertical().auto_shrink(false).show_rows(ui, 18.0, all.len(), |ui, rows| {
+        for (id, r) in all.get(rows).unwrap_or(&[]) {
+            let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 18.0), Sense::click());
+            response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, format!("time of {id}")));
+            let bars = Rect::from_min_max(rect.min + vec2(300.0, 2.0), rect.max - vec2(4.0, 2.0));
+            let mut bar = bars;
+            bar.set_width(bars.width().max(0.0) * (r.time.as_secs_f64() / most) as f32);
+            let painter = ui.painter();
+            painter.rect_filled(bar, 2.0, theme.slider);
+            let text = |x: f32, align, words: String| {
+                painter.text(rect.left_center() + vec2(x, 0.0), align, words, font.clone(), theme.text);
+            };
+            text(4.0, Align2::LEFT_CENTER, (*id).clone());
+            text(210.0, Align2::RIGHT_CENTER, theme::duration(r.time));
+            text(290.0, Align2::RIGHT_CENTER, crate::canvas::bytes(r.bytes));
+            if response.clicked() {
+                go = Some((*id).clone());
+            }
+        }
+    });
+    go
+}

@@ -1,0 +1,246 @@
+//! From values to what a graphics card draws: triangles, lines and points, with the part (panel, face) that each belongs
+//! to. No window is needed here; it runs beside the evaluation.
+
+use tenon_engine::{Column, Tree};
+use tenon_geometry::DVec3;
+use tenon_geometry::ifs::Curve;
+use tenon_geometry::mesh::Mesh;
+use tenon_geometry::panel::PanelSet;
+use tenon_nodes::value::{Point, V};
+
+/// Item types that can be seen in the viewport.
+pub const VISIBLE: [&str; 4] = ["panels", "mesh", "curve", "point"];
+
+/// A corner of a triangle.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Vertex {
+    /// Place, mm.
+    pub position: [f32; 3],
+    /// Normal, each component times 127; the fourth is 0.
+    pub normal: [i8; 4],
+    /// The part that it belongs to.
+    pub part: u32,
+}
+
+/// A straight line.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Line {
+    /// Start, mm.
+    pub from: [f32; 3],
+    /// End, mm.
+    pub to: [f32; 3],
+    /// The part that it belongs to.
+    pub part: u32,
+}
+
+/// What is drawn, which also fixes its colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Panels as solids.
+    Panels,
+    /// A mesh.
+    Mesh,
+    /// Curves.
+    Curve,
+    /// Points.
+    Points,
+}
+
+/// A panel, a face, a curve or a point that can be picked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// What it is called: a panel's address, a number otherwise.
+    pub label: String,
+    /// Where its label stands, mm.
+    pub centre: DVec3,
+}
+
+/// All that one output shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing {
+    /// What is drawn.
+    pub kind: Kind,
+    /// Corners of triangles, three by three.
+    pub triangles: Vec<Vertex>,
+    /// Edges and curves.
+    pub lines: Vec<Line>,
+    /// Points, mm.
+    pub points: Vec<[f32; 3]>,
+    /// What can be picked, by the numbers that corners and lines carry.
+    pub parts: Vec<Part>,
+    /// Smallest and largest coordinates, mm.
+    pub bounds: [DVec3; 2],
+    /// Digest of the value that it shows.
+    pub digest: u128,
+}
+
+/// What a value looks like; `None` if there is nothing to see. O(corners).
+#[must_use]
+pub fn draw(tree: &Tree) -> Option<Drawing> {
+    let mut d = Drawing {
+        kind: Kind::Points,
+        triangles: Vec::new(),
+        lines: Vec::new(),
+        points: Vec::new(),
+        parts: Vec::new(),
+        bounds: [DVec3::INFINITY, DVec3::NEG_INFINITY],
+        digest: tree.digest(),
+    };
+    for (_, column) in tree.branches() {
+        (0..column.len()).for_each(|i| d.item(column, i));
+    }
+    let seen = !d.triangles.is_empty() || !d.lines.is_empty() || !d.points.is_empty();
+    (seen && d.bounds.iter().all(|b| b.is_finite())).then_some(d)
+}
+
+impl Drawing {
+    fn item(&mut self, column: &Column, i: usize) {
+        if let Some(panels) = column.get::<V<PanelSet>>(i) {
+            self.panels(panels);
+        } else if let Some(mesh) = column.get::<V<Mesh>>(i) {
+            self.mesh(mesh);
+        } else if let Some(curve) = column.get::<V<Curve>>(i) {
+            self.curve(curve);
+        } else if let Some(point) = column.get::<Point>(i) {
+            let part = self.part(i.to_string(), point.0);
+            debug_assert!((part as usize) < self.parts.len());
+            let place = self.place(point.0);
+            self.points.push(place);
+        }
+    }
+
+    fn part(&mut self, label: String, centre: DVec3) -> u32 {
+        self.parts.push(Part { label, centre });
+        self.parts.len() as u32 - 1
+    }
+
+    fn place(&mut self, p: DVec3) -> [f32; 3] {
+        self.bounds = [self.bounds[0].min(p), self.bounds[1].max(p)];
+        p.as_vec3().to_array()
+    }
+
+    /// A convex face as triangles from its first corner, all with one normal.
+    fn face(&mut self, corners: &[DVec3], normal: DVec3, part: u32) {
+        let n = (normal * 127.0).round();
+        let normal = [n.x as i8, n.y as i8, n.z as i8, 0];
+        let corners: Vec<[f32; 3]> = corners.iter().map(|p| self.place(*p)).collect();
+        let rest = corners.get(1..).unwrap_or(&[]);
+        for w in rest.windows(2) {
+            let triangle = [corners[0], w[0], w[1]];
+            self.triangles.extend(triangle.map(|position| Vertex { position, normal, part }));
+        }
+    }
+
+    fn line(&mut self, from: DVec3, to: DVec3, part: u32) {
+        let (from, to) = (self.place(from), self.place(to));
+        self.lines.push(Line { from, to, part });
+    }
+
+    fn panels(&mut self, panels: &PanelSet) {
+        self.kind = Kind::Panels;
+        for i in 0..panels.len() {
+            let solid = panels.solid(i);
+            let front = &panels.front[panels.corners(i)];
+            let centre = front.iter().sum::<DVec3>() / front.len().max(1) as f64;
+            let label = panels.address.get(i).map_or_else(|| i.to_string(), ToString::to_string);
+            let part = self.part(label, centre);
+            for f in 0..solid.face_count() {
+                let corners: Vec<DVec3> = solid.face(f).iter().map(|v| solid.points[*v as usize]).collect();
+                self.face(&corners, solid.planes[f].normal, part);
+                let face = solid.face(f);
+                for (k, a) in face.iter().enumerate() {
+                    let b = face[(k + 1) % face.len()];
+                    // Every edge is run along twice, in opposite directions.
+                    if *a < b {
+                        self.line(solid.points[*a as usize], solid.points[b as usize], part);
+                    }
+                }
+            }
+        }
+    }
+
+    fn mesh(&mut self, mesh: &Mesh) {
+        self.kind = Kind::Mesh;
+        for f in 0..mesh.face_count() {
+            let corners: Vec<DVec3> = mesh.face_points(f).collect();
+            let label = mesh.addresses.get(f).map_or_else(|| f.to_string(), ToString::to_string);
+            let part = self.part(label, mesh.face_centre(f));
+            self.face(&corners, mesh.face_normal(f).unwrap_or(DVec3::Z), part);
+            for (k, a) in corners.iter().enumerate() {
+                self.line(*a, corners[(k + 1) % corners.len()], part);
+            }
+        }
+    }
+
+    fn curve(&mut self, curve: &Curve) {
+        self.kind = Kind::Curve;
+        let points = curve.projected();
+        let label = self.parts.len().to_string();
+        let part = self.part(label, points.first().copied().unwrap_or_default());
+        for strip in curve.strips() {
+            for w in points.get(strip).unwrap_or(&[]).windows(2) {
+                self.line(w[0], w[1], part);
+            }
+        }
+        if let (true, Some(first), Some(last)) = (curve.closed, points.first(), points.last()) {
+            self.line(*last, *first, part);
+        }
+    }
+
+    /// The part that a ray meets first, and how far away, in lengths of `direction`. O(triangles).
+    #[must_use]
+    pub fn pick(&self, origin: DVec3, direction: DVec3) -> Option<(u32, f64)> {
+        let mut best: Option<(u32, f64)> = None;
+        for t in self.triangles.chunks_exact(3) {
+            let [a, b, c] = [t[0], t[1], t[2]].map(|v| DVec3::from(v.position.map(f64::from)));
+            if let Some(at) = meet(origin, direction, a, b, c)
+                && best.is_none_or(|(_, best)| at < best)
+            {
+                best = Some((t[0].part, at));
+            }
+        }
+        best
+    }
+}
+
+/// Where a ray meets a triangle from either side (Möller, Trumbore 1997).
+fn meet(origin: DVec3, direction: DVec3, a: DVec3, b: DVec3, c: DVec3) -> Option<f64> {
+    let (u, v) = (b - a, c - a);
+    let p = direction.cross(v);
+    let determinant = u.dot(p);
+    if determinant == 0.0 {
+        return None;
+    }
+    let s = (origin - a) / determinant;
+    let x = s.dot(p);
+    let q = s.cross(u);
+    let y = direction.dot(q);
+    let at = v.dot(q);
+    (x >= 0.0 && y >= 0.0 && x + y <= 1.0 && at > 0.0).then_some(at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mesh_is_drawn_and_picked_by_face() {
+        let points = [[0.0, 0.0], [2.0, 0.0], [4.0, 0.0], [0.0, 1.0], [2.0, 1.0], [4.0, 1.0]];
+        let points = points.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
+        let mesh = Mesh::from_faces(points, &[[0, 1, 4, 3], [1, 2, 5, 4]]);
+        let d = draw(&Tree::item(V::new(mesh))).unwrap();
+        assert_eq!((d.triangles.len(), d.lines.len(), d.parts.len()), (12, 8, 2));
+        assert_eq!(d.bounds, [DVec3::ZERO, DVec3::new(4.0, 1.0, 0.0)]);
+        assert_eq!(d.pick(DVec3::new(3.0, 0.5, 5.0), -DVec3::Z), Some((1, 5.0)));
+        assert_eq!(d.pick(DVec3::new(3.0, 1.5, 5.0), -DVec3::Z), None);
+        assert_eq!(d.triangles[0].normal, [0, 0, 127, 0]);
+    }
+
+    #[test]
+    fn what_cannot_be_seen_is_not_drawn() {
+        assert_eq!(draw(&Tree::item(3.0)), None);
+        assert_eq!(draw(&Tree::list::<Point>(Vec::new())), None);
+    }
+}

@@ -1,0 +1,354 @@
+//! The graphics card: buffers of what is drawn, pipelines, and the picture with depth and smoothed edges that is made
+//! before the window is painted and put into it afterwards.
+
+use crate::scene::{Drawing, Line, Vertex};
+use eframe::egui_wgpu::wgpu::util::DeviceExt as _;
+use eframe::egui_wgpu::{self, CallbackResources, CallbackTrait, ScreenDescriptor, wgpu};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+const SAMPLES: u32 = 4;
+/// Largest buffer, bytes: a multiple of three corners and of a line.
+const CHUNK: usize = 60 * 28 * 20_000;
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Uniforms {
+    matrix: [[f32; 4]; 4],
+    face: [f32; 4],
+    line: [f32; 4],
+    eye: [f32; 4],
+    pixels: [f32; 4],
+}
+
+/// One drawing and its colours.
+#[derive(Clone)]
+pub struct Shown {
+    /// Under which name its buffers are kept.
+    pub key: String,
+    /// What is drawn.
+    pub drawing: Arc<Drawing>,
+    /// Colour of faces.
+    pub face: [f32; 3],
+    /// Colour of lines and points.
+    pub line: [f32; 3],
+    /// Width of lines and size of points, points of the screen.
+    pub width: [f32; 2],
+    /// Colours per part as bytes r, g, b, 255; 0: that of faces. Empty: all that.
+    pub colours: Arc<Vec<u32>>,
+    /// Both sides of faces are lit.
+    pub open: bool,
+}
+
+/// What is to be drawn in one frame.
+pub struct Frame {
+    /// From the model to clip space.
+    pub matrix: glam::DMat4,
+    /// Direction to the eye.
+    pub eye: glam::DVec3,
+    /// Size, points of the screen.
+    pub size: [f32; 2],
+    /// Colour of the ground.
+    pub ground: [f32; 3],
+    /// What is drawn.
+    pub shown: Vec<Shown>,
+}
+
+/// Buffers of one drawing.
+struct Buffers {
+    digest: u128,
+    colours: Arc<Vec<u32>>,
+    triangles: Vec<(wgpu::Buffer, u32)>,
+    lines: Vec<(wgpu::Buffer, u32)>,
+    points: Vec<(wgpu::Buffer, u32)>,
+    uniforms: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+/// The picture that is drawn into.
+struct Target {
+    size: [u32; 2],
+    smooth: wgpu::TextureView,
+    depth: wgpu::TextureView,
+    picture: wgpu::TextureView,
+    group: wgpu::BindGroup,
+}
+
+struct Pipelines {
+    layout: wgpu::BindGroupLayout,
+    faces: wgpu::RenderPipeline,
+    lines: wgpu::RenderPipeline,
+    points: wgpu::RenderPipeline,
+    blit: wgpu::RenderPipeline,
+    sampler: wgpu::Sampler,
+}
+
+struct Resources {
+    pipelines: Pipelines,
+    buffers: HashMap<String, Buffers>,
+    target: Option<Target>,
+}
+
+/// Prepares the graphics card; says what it is.
+pub fn install(state: &egui_wgpu::RenderState) -> String {
+    let pipelines = Pipelines::new(&state.device, state.target_format);
+    let resources = Resources { pipelines, buffers: HashMap::new(), target: None };
+    state.renderer.write().callback_resources.insert(resources);
+    let info = state.adapter.get_info();
+    let software = if info.device_type == wgpu::DeviceType::Cpu { ", drawn by the processor" } else { "" };
+    format!("{}{software}", info.name)
+}
+
+impl Pipelines {
+    fn new(device: &wgpu::Device, window: wgpu::TextureFormat) -> Self {
+        let shader = |label, text: &str| {
+            let source = wgpu::ShaderSource::Wgsl(text.into());
+            device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source })
+        };
+        let (scene, blit) = (shader("scene", include_str!("shader.wgsl")), shader("blit", include_str!("blit.wgsl")));
+        let entry = |binding, visibility, ty| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility,
+            ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
+            count: None,
+        };
+        let storage = wgpu::BufferBindingType::Storage { read_only: true };
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("drawing"),
+            entries: &[
+                entry(0, wgpu::ShaderStages::VERTEX_FRAGMENT, wgpu::BufferBindingType::Uniform),
+                entry(1, wgpu::ShaderStages::FRAGMENT, storage),
+            ],
+        });
+        let common = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("scene"),
+            bind_group_layouts: &[Some(&layout)],
+            ..Default::default()
+        });
+        let face = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm8x4, 2 => Uint32];
+        let line = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Uint32];
+        let point = wgpu::vertex_attr_array![0 => Float32x3];
+        let pipeline = |name: &str, stride: u64, step_mode, attributes: &[wgpu::VertexAttribute]| {
+            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(name),
+                layout: Some(&common),
+                vertex: wgpu::VertexState {
+                    module: &scene,
+                    entry_point: Some(&format!("{name}_vertex")),
+                    compilation_options: Default::default(),
+                    buffers: &[Some(wgpu::VertexBufferLayout { array_stride: stride, step_mode, attributes })],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: DEPTH,
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(wgpu::CompareFunction::LessEqual),
+                    stencil: Default::default(),
+                    bias: Default::default(),
+                }),
+                multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
+                fragment: Some(wgpu::FragmentState {
+                    module: &scene,
+                    entry_point: Some(&format!("{name}_fragment")),
+                    compilation_options: Default::default(),
+                    targets: &[Some(COLOUR.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        };
+        let blit = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("blit"),
+            layout: None,
+            vertex: wgpu::VertexState {
+                module: &blit,
+                entry_point: Some("vertex"),
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: None,
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &blit,
+                entry_point: Some("fragment"),
+                compilation_options: Default::default(),
+                targets: &[Some(window.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        Self {
+            faces: pipeline("face", size_of::<Vertex>() as u64, wgpu::VertexStepMode::Vertex, &face),
+            lines: pipeline("line", size_of::<Line>() as u64, wgpu::VertexStepMode::Instance, &line),
+            points: pipeline("point", 12, wgpu::VertexStepMode::Instance, &point),
+            sampler: device.create_sampler(&Default::default()),
+            layout,
+            blit,
+        }
+    }
+
+    fn target(&self, device: &wgpu::Device, size: [u32; 2]) -> Target {
+        let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let view = |format, sample_count, usage| {
+            let size = wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 };
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size,
+                mip_level_count: 1,
+                sample_count,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage,
+                view_formats: &[],
+            });
+            texture.create_view(&Default::default())
+        };
+        let picture = view(COLOUR, 1, attachment | wgpu::TextureUsages::TEXTURE_BINDING);
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &self.blit.get_bind_group_layout(0),
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&picture) },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
+            ],
+        });
+        Target {
+            size,
+            smooth: view(COLOUR, SAMPLES, attachment),
+            depth: view(DEPTH, SAMPLES, attachment),
+            picture,
+            group,
+        }
+    }
+
+    fn buffers(&self, device: &wgpu::Device, shown: &Shown) -> Buffers {
+        let make = |bytes: &[u8], usage| {
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents: bytes, usage })
+        };
+        let chunks = |bytes: &[u8], item: usize| -> Vec<(wgpu::Buffer, u32)> {
+            bytes.chunks(CHUNK).map(|c| (make(c, wgpu::BufferUsages::VERTEX), (c.len() / item) as u32)).collect()
+        };
+        let d = &shown.drawing;
+        let uniforms = make(&[0; size_of::<Uniforms>()], wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST);
+        let none = [0_u32];
+        let colours: &[u32] = if shown.colours.is_empty() { &none } else { &shown.colours };
+        // The last colour counts for all parts beyond it, so one zero is enough for none.
+        let colours = make(bytemuck::cast_slice(colours), wgpu::BufferUsages::STORAGE);
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &self.layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: colours.as_entire_binding() },
+            ],
+        });
+        Buffers {
+            digest: d.digest,
+            colours: shown.colours.clone(),
+            triangles: chunks(bytemuck::cast_slice(&d.triangles), size_of::<Vertex>()),
+            lines: chunks(bytemuck::cast_slice(&d.lines), size_of::<Line>()),
+            points: chunks(bytemuck::cast_slice(&d.points), 12),
+            uniforms,
+            group,
+        }
+    }
+}
+
+impl Frame {
+    fn uniforms(&self, shown: &Shown, size: [u32; 2], scale: f32) -> Uniforms {
+        let [x, y, z] = self.eye.as_vec3().to_array();
+        let four = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
+        Uniforms {
+            matrix: self.matrix.as_mat4().to_cols_array_2d(),
+            face: four(shown.face),
+            line: four(shown.line),
+            eye: [x, y, z, if shown.open { 1.0 } else { 0.0 }],
+            pixels: [size[0] as f32, size[1] as f32, shown.width[0] * scale, shown.width[1] * scale],
+        }
+    }
+}
+
+impl CallbackTrait for Frame {
+    fn prepare(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        screen: &ScreenDescriptor,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        let Some(r) = resources.get_mut::<Resources>() else { return Vec::new() };
+        let most = device.limits().max_texture_dimension_2d;
+        let size = self.size.map(|s| ((s * screen.pixels_per_point).round() as u32).clamp(1, most));
+        if r.target.as_ref().is_none_or(|t| t.size != size) {
+            r.target = Some(r.pipelines.target(device, size));
+        }
+        r.buffers.retain(|key, _| self.shown.iter().any(|s| s.key == *key));
+        for shown in &self.shown {
+            let fresh = r.buffers.get(&shown.key).is_some_and(|b| {
+                b.digest == shown.drawing.digest
+                    && (Arc::ptr_eq(&b.colours, &shown.colours) || b.colours == shown.colours)
+            });
+            if !fresh {
+                r.buffers.insert(shown.key.clone(), r.pipelines.buffers(device, shown));
+            }
+            if let Some(b) = r.buffers.get(&shown.key) {
+                let uniforms = self.uniforms(shown, size, screen.pixels_per_point);
+                queue.write_buffer(&b.uniforms, 0, bytemuck::bytes_of(&uniforms));
+            }
+        }
+        let Some(target) = &r.target else { return Vec::new() };
+        let [red, green, blue] = self.ground.map(f64::from);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("viewport"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &target.smooth,
+                resolve_target: Some(&target.picture),
+                depth_slice: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color { r: red, g: green, b: blue, a: 1.0 }),
+                    store: wgpu::StoreOp::Discard,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &target.depth,
+                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        for b in self.shown.iter().filter_map(|s| r.buffers.get(&s.key)) {
+            pass.set_bind_group(0, &b.group, &[]);
+            pass.set_pipeline(&r.pipelines.faces);
+            for (buffer, count) in &b.triangles {
+                pass.set_vertex_buffer(0, buffer.slice(..));
+                pass.draw(0..*count, 0..1);
+            }
+            for (pipeline, all) in [(&r.pipelines.lines, &b.lines), (&r.pipelines.points, &b.points)] {
+                pass.set_pipeline(pipeline);
+                for (buffer, count) in all {
+                    pass.set_vertex_buffer(0, buffer.slice(..));
+                    pass.draw(0..6, 0..*count);
+                }
+            }
+        }
+        drop(pass);
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        _: eframe::egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        resources: &CallbackResources,
+    ) {
+        let Some(r) = resources.get::<Resources>() else { return };
+        let Some(target) = &r.target else { return };
+        pass.set_pipeline(&r.pipelines.blit);
+        pass.set_bind_group(0, &target.group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}

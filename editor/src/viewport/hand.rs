@@ -1,0 +1,158 @@
+//! Points of the document taken by hand: dragged in a plane or along an axis, snapped to a grid, or typed.
+
+use super::Camera;
+use crate::model::Model;
+use crate::model::handle::{Handle, handles};
+use crate::theme::Theme;
+use eframe::egui::{
+    Area, Color32, DragValue, Frame, Id, Key, Order, Pos2, Rect, Sense, Stroke, Ui, WidgetInfo, WidgetType, vec2,
+};
+use glam::DVec3;
+
+/// The grid that points snap to with Shift, mm.
+const GRID: f64 = 10.0;
+
+/// Which points there are and which one is being moved.
+#[derive(Default)]
+pub struct Hand {
+    /// All points, and the revision that they are of.
+    points: Vec<Handle>,
+    of: Option<u64>,
+    /// The point as it was when it was taken, and its distance from the pointer then.
+    taken: Option<(Handle, DVec3)>,
+    chosen: Option<Handle>,
+    /// A coordinate is being typed or turned as one step.
+    turning: bool,
+}
+
+impl Hand {
+    /// Shows all points and moves the one that is taken; true if one was clicked.
+    pub fn show(&mut self, ui: &mut Ui, area: Rect, camera: &Camera, model: &mut Model) -> bool {
+        if self.of != Some(model.revision()) {
+            self.points = handles(model.document(), &model.catalog);
+            self.of = Some(model.revision());
+        }
+        let theme = Theme::of(ui);
+        let painter = ui.painter_at(area);
+        let mut clicked = false;
+        for handle in self.points.clone() {
+            let Some(at) = camera.project(area, handle.at).filter(|at| area.contains(*at)) else { continue };
+            let id = Id::new(("handle", handle.label()));
+            let response = ui.interact(Rect::from_center_size(at, vec2(16.0, 16.0)), id, Sense::click_and_drag());
+            response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("point {}", handle.label())));
+            if response.drag_started() {
+                let start = ui.input(|i| i.pointer.press_origin()).unwrap_or(at);
+                let grip = self.under(ui, area, camera, &handle, start).map_or(DVec3::ZERO, |p| handle.at - p);
+                self.taken = Some((handle.clone(), grip));
+                self.chosen = Some(handle.clone());
+                model.begin();
+            }
+            if response.clicked() {
+                clicked = true;
+                model.selection = [handle.node.clone()].into();
+                self.chosen = Some(handle.clone());
+            }
+            if let (true, Some(pointer)) = (response.dragged(), ui.input(|i| i.pointer.latest_pos())) {
+                self.drag(ui, area, camera, pointer, model);
+            }
+            if response.drag_stopped() && self.taken.take().is_some() {
+                model.end();
+            }
+            let chosen = self.chosen.as_ref().is_some_and(|c| c.same(&handle));
+            let lit = chosen || response.hovered() || model.selection.contains(&handle.node);
+            let fill = if lit { theme.selected } else { Color32::from_rgb(225, 90, 110) };
+            painter.circle(at, if response.hovered() { 6.5 } else { 5.0 }, fill, Stroke::new(1.5, Color32::WHITE));
+            response.on_hover_text(format!(
+                "{}: {:.2}, {:.2}, {:.2} mm\ndrag: in a plane, with X, Y or Z held along that axis, with Shift on a grid",
+                handle.label(),
+                handle.at.x,
+                handle.at.y,
+                handle.at.z
+            ));
+        }
+        self.typed(ui, area, model) || clicked
+    }
+
+    /// Where the pointer means the point to be: in the plane of two axes that the eye sees best, or along an axis.
+    fn under(&self, ui: &Ui, area: Rect, camera: &Camera, handle: &Handle, at: Pos2) -> Option<DVec3> {
+        let (origin, direction) = camera.ray(area, at);
+        let held = [Key::X, Key::Y, Key::Z].into_iter().zip(DVec3::AXES).find(|(k, _)| ui.input(|i| i.key_down(*k)));
+        if let Some((_, axis)) = held {
+            // The place on the axis that is nearest to the ray.
+            let square = axis - direction * axis.dot(direction);
+            let length = square.length_squared();
+            let along = (origin - handle.at).dot(square) / length;
+            return (length > 1e-9).then(|| handle.at + axis * along);
+        }
+        let back = camera.back();
+        let best = DVec3::AXES.into_iter().max_by(|a, b| a.dot(back).abs().total_cmp(&b.dot(back).abs()))?;
+        let along = (handle.at - origin).dot(best) / direction.dot(best);
+        (along.is_finite() && along > 0.0).then(|| origin + direction * along)
+    }
+
+    fn drag(&mut self, ui: &Ui, area: Rect, camera: &Camera, pointer: Pos2, model: &mut Model) {
+        let Some((start, grip)) = &self.taken else { return };
+        let held = ui.input(|i| [Key::X, Key::Y, Key::Z].into_iter().any(|k| i.key_down(k)));
+        let grip = if held { DVec3::ZERO } else { *grip };
+        let Some(mut to) = self.under(ui, area, camera, start, pointer).map(|p| p + grip) else { return };
+        if ui.input(|i| i.modifiers.shift) {
+            to = (to / GRID).round() * GRID;
+        }
+        let now = self.points.iter().find(|h| h.same(start)).cloned().unwrap_or_else(|| start.clone());
+        let operation = now.move_to(to, model.document()).filter(|_| (now.at - to).length() > 5e-3);
+        if let Some(operation) = operation {
+            model.edit(operation);
+        }
+    }
+
+    /// The coordinates of the chosen point, to be typed; true if the pointer is used there.
+    fn typed(&mut self, ui: &mut Ui, area: Rect, model: &mut Model) -> bool {
+        let chosen = self.chosen.as_ref().and_then(|c| self.points.iter().find(|h| h.same(c))).cloned();
+        let Some(handle) = chosen.filter(|h| model.selection.contains(&h.node) || self.taken.is_some()) else {
+            self.chosen = None;
+            return false;
+        };
+        let mut to = handle.at;
+        let place = Area::new(Id::new("coordinates"))
+            .order(Order::Middle)
+            .fixed_pos(area.left_top() + vec2(8.0, 38.0))
+            .constrain_to(area);
+        let shown = place.show(ui.ctx(), |ui| {
+            Frame::popup(ui.style())
+                .inner_margin(4.0)
+                .show(ui, |ui| {
+                    ui.horizontal(|ui| {
+                        ui.label(handle.label());
+                        let mut settled = true;
+                        for (axis, value) in ["x", "y", "z"].into_iter().zip([&mut to.x, &mut to.y, &mut to.z]) {
+                            let field = DragValue::new(value)
+                                .speed(1.0)
+                                .max_decimals(2)
+                                .prefix(format!("{axis} "))
+                                .suffix(" mm");
+                            let response = ui.add(field);
+                            settled &= !response.dragged();
+                        }
+                        settled
+                    })
+                    .inner
+                })
+                .inner
+        });
+        let settled = shown.inner;
+        if !settled && !self.turning {
+            model.begin();
+            self.turning = true;
+        }
+        if to != handle.at
+            && let Some(operation) = handle.move_to(to, model.document())
+        {
+            model.edit(operation);
+        }
+        if settled && self.turning {
+            model.end();
+            self.turning = false;
+        }
+        shown.response.contains_pointer()
+    }
+}

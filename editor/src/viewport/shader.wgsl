@@ -1,0 +1,97 @@
+// Faces, lines of a width in pixels, and round points; colours per part where there are any.
+struct Uniforms {
+    matrix: mat4x4<f32>,
+    face: vec4<f32>,
+    line: vec4<f32>,
+    eye: vec4<f32>,
+    // Width and height of the picture, width of lines and size of points, in pixels.
+    pixels: vec4<f32>,
+}
+@group(0) @binding(0) var<uniform> u: Uniforms;
+@group(0) @binding(1) var<storage, read> colours: array<u32>;
+
+struct Face {
+    @builtin(position) at: vec4<f32>,
+    @location(0) normal: vec3<f32>,
+    @location(1) @interpolate(flat) part: u32,
+}
+
+@vertex
+fn face_vertex(@location(0) at: vec3<f32>, @location(1) normal: vec4<f32>, @location(2) part: u32) -> Face {
+    return Face(u.matrix * vec4(at, 1.0), normal.xyz, part);
+}
+
+fn of_part(part: u32, plain: vec3<f32>) -> vec3<f32> {
+    let colour = colours[min(part, arrayLength(&colours) - 1u)];
+    if colour == 0u {
+        return plain;
+    }
+    return unpack4x8unorm(colour).xyz;
+}
+
+@fragment
+fn face_fragment(in: Face, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    var n = normalize(in.normal);
+    if dot(n, u.eye.xyz) < 0.0 && u.eye.w > 0.5 {
+        n = -n;
+    }
+    let sun = normalize(vec3(0.35, -0.45, 0.82));
+    let light = 0.42 + 0.46 * max(dot(n, sun), 0.0) + 0.14 * n.z;
+    return vec4(of_part(in.part, u.face.rgb) * light, 1.0);
+}
+
+struct Stroke {
+    @builtin(position) at: vec4<f32>,
+    @location(0) place: vec2<f32>,
+    @location(1) @interpolate(flat) part: u32,
+}
+
+@vertex
+fn line_vertex(
+    @builtin(vertex_index) corner: u32,
+    @location(0) start: vec3<f32>,
+    @location(1) stop: vec3<f32>,
+    @location(2) part: u32,
+) -> Stroke {
+    var a = u.matrix * vec4(start, 1.0);
+    var b = u.matrix * vec4(stop, 1.0);
+    // What lies behind the eye is cut off where the eye's plane is.
+    let near = 1e-6;
+    if a.w < near && b.w < near {
+        return Stroke(vec4(2.0, 2.0, 2.0, 1.0), vec2(0.0), part);
+    }
+    if a.w < near { a = mix(a, b, (near - a.w) / (b.w - a.w)); }
+    if b.w < near { b = mix(b, a, (near - b.w) / (a.w - b.w)); }
+    let along = (b.xy / b.w - a.xy / a.w) * u.pixels.xy;
+    let long = max(length(along), 1e-6);
+    let side = vec2(-along.y, along.x) / long * u.pixels.z / u.pixels.xy;
+    var end = a;
+    if corner == 2u || corner == 4u || corner == 5u { end = b; }
+    var turn = 1.0;
+    if corner == 0u || corner == 2u || corner == 4u { turn = -1.0; }
+    // A little nearer than the faces that the line belongs to.
+    return Stroke(vec4(end.xy + side * turn * end.w, end.z - 0.000004 * end.w, end.w), vec2(0.0), part);
+}
+
+@fragment
+fn line_fragment(in: Stroke) -> @location(0) vec4<f32> {
+    return vec4(u.line.rgb, 1.0);
+}
+
+@vertex
+fn point_vertex(@builtin(vertex_index) corner: u32, @location(0) at: vec3<f32>) -> Stroke {
+    let centre = u.matrix * vec4(at, 1.0);
+    let x = select(-1.0, 1.0, corner == 1u || corner == 3u || corner == 4u);
+    let y = select(-1.0, 1.0, corner == 2u || corner == 4u || corner == 5u);
+    let place = vec2(x, y);
+    let offset = place * u.pixels.w / u.pixels.xy * centre.w;
+    return Stroke(vec4(centre.xy + offset, centre.z - 0.00001 * centre.w, centre.w), place, 0u);
+}
+
+@fragment
+fn point_fragment(in: Stroke) -> @location(0) vec4<f32> {
+    if dot(in.place, in.place) > 1.0 {
+        discard;
+    }
+    return vec4(u.line.rgb, 1.0);
+}

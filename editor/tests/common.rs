@@ -1,0 +1,157 @@
+//! The window of a test: opened, driven and drawn.
+
+use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use tenon_editor::app::App;
+
+/// The repository.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
+
+/// A folder of its own for a test, empty.
+pub fn folder(name: &str) -> PathBuf {
+    let dir = std::env::temp_dir().join(format!("tenon-editor-{}-{name}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&dir);
+    std::fs::create_dir_all(&dir).unwrap();
+    dir
+}
+
+/// A graph written to a file.
+pub fn graph(name: &str, text: &str) -> PathBuf {
+    let path = folder(name).join("graph.tenon.json");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+/// The window, 1280 × 800, with `graph` open and evaluated.
+pub struct Window {
+    pub harness: Harness<'static, App>,
+}
+
+impl Window {
+    pub fn open(graph: Option<&Path>) -> Self {
+        Self::sized(graph, vec2(1280.0, 800.0))
+    }
+
+    pub fn sized(graph: Option<&Path>, size: Vec2) -> Self {
+        let builder = Harness::builder().with_size(size).with_max_steps(64).with_step_dt(1.0 / 60.0).wgpu();
+        let harness = builder.build_eframe(|cc| App::new(cc, graph).unwrap());
+        let mut window = Self { harness };
+        window.settle();
+        window
+    }
+
+    pub fn app(&mut self) -> &mut App {
+        self.harness.state_mut()
+    }
+
+    /// Lets the evaluation come to its end, and shows what it found. A minute is long enough for every graph here.
+    pub fn settle(&mut self) {
+        let start = Instant::now();
+        self.steps(2);
+        while !self.harness.state().model.settled() {
+            assert!(start.elapsed() < Duration::from_secs(300), "the evaluation does not end");
+            std::thread::sleep(Duration::from_millis(5));
+            self.steps(1);
+        }
+        self.steps(3);
+    }
+
+    pub fn steps(&mut self, count: usize) {
+        self.harness.run_steps(count);
+    }
+
+    /// Where something with a name is on screen.
+    pub fn rect(&self, label: &str) -> Rect {
+        self.harness.get_by_label(label).rect()
+    }
+
+    pub fn has(&self, label: &str) -> bool {
+        self.harness.query_by_label(label).is_some()
+    }
+
+    pub fn hover(&mut self, at: Pos2) {
+        self.harness.hover_at(at);
+        self.steps(1);
+    }
+
+    fn button(&mut self, at: Pos2, button: PointerButton, pressed: bool, modifiers: Modifiers) {
+        self.harness.event(Event::PointerButton { pos: at, button, pressed, modifiers });
+        self.steps(1);
+    }
+
+    fn hold(&mut self, modifiers: Modifiers) {
+        self.harness.event(Event::ModifiersChanged(modifiers));
+    }
+
+    pub fn click(&mut self, at: Pos2) {
+        self.click_with(at, PointerButton::Primary, Modifiers::NONE);
+    }
+
+    pub fn click_with(&mut self, at: Pos2, button: PointerButton, modifiers: Modifiers) {
+        self.hold(modifiers);
+        self.hover(at);
+        self.button(at, button, true, modifiers);
+        self.button(at, button, false, modifiers);
+        self.hold(Modifiers::NONE);
+        self.steps(2);
+    }
+
+    pub fn double_click(&mut self, at: Pos2) {
+        // Clicks that came before must not count.
+        self.steps(30);
+        self.click(at);
+        self.click(at);
+    }
+
+    /// Presses, moves in steps, lets go.
+    pub fn drag(&mut self, from: Pos2, to: Pos2) {
+        self.drag_with(from, to, PointerButton::Primary, Modifiers::NONE);
+    }
+
+    pub fn drag_with(&mut self, from: Pos2, to: Pos2, button: PointerButton, modifiers: Modifiers) {
+        self.hold(modifiers);
+        self.hover(from);
+        self.button(from, button, true, modifiers);
+        for i in 1..=8 {
+            self.hover(from + (to - from) * (i as f32 / 8.0));
+        }
+        self.button(to, button, false, modifiers);
+        self.hold(Modifiers::NONE);
+        self.steps(2);
+    }
+
+    pub fn key(&mut self, modifiers: Modifiers, key: Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.steps(2);
+    }
+
+    pub fn type_text(&mut self, text: &str) {
+        self.harness.event(Event::Text(text.to_owned()));
+        self.steps(2);
+    }
+
+    /// The graph as its file would be.
+    pub fn text(&self) -> String {
+        self.harness.state().model.document().to_string_canonical()
+    }
+
+    /// The window as a picture, kept for people under target/editor.
+    pub fn picture(&mut self, name: &str) -> image::RgbaImage {
+        let image = self.harness.render().unwrap();
+        let dir = root().join("target/editor");
+        std::fs::create_dir_all(&dir).unwrap();
+        image.save(dir.join(format!("{name}.png"))).unwrap();
+        image
+    }
+
+    /// A parameter as text; empty if it is not set.
+    pub fn param(&self, node: &str, port: &str) -> String {
+        let params = self.harness.state().model.params(node).unwrap();
+        params.get(port).map(ToString::to_string).unwrap_or_default()
+    }
+}

@@ -1,0 +1,8 @@
+//! The window without a screen: driven by pointer and keys, looked at through its names and its pictures.
+
+mod canvas;
+mod common;
+mod files;
+mod history;
+mod pictures;
+mod shell;
