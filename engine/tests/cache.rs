@@ -115,7 +115,7 @@ fn a_new_version_of_the_document_runs_only_what_is_new() {
     nodes["f"] = json!({"type": "floor", "inputs": {"a": {"from": ["e.sum"]}}});
     s.replace(document(nodes));
     evaluate(&mut s, &["f.value"]);
-    assert_eq!(log(&mut s), "memo a, memo d, memo b, memo c, memo e, executed f");
+    assert_eq!(log(&mut s), "cut off a, cut off d, cut off b, cut off c, cut off e, executed f");
 }
 
 struct Disk(Mutex<Vec<u8>>);

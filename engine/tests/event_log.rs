@@ -30,14 +30,26 @@ fn a_frozen_node_keeps_its_output_and_nothing_behind_it_runs() {
     let mut s = evaluated(chain());
     state(&mut s, "b", NodeState::Frozen);
     evaluate(&mut s, &[]);
-    assert_eq!(log(&mut s), "memo a, memo c");
+    assert_eq!(log(&mut s), "cut off a, cut off c");
     s.set("a.value", json!(5)).expect("accepted");
     let report = evaluate(&mut s, &[]);
     assert_eq!((log(&mut s), items(&s, "c.value")), ("executed a".to_owned(), json!([2.0])));
     assert_eq!(report.node("b").map(|n| n.happened), Some(Happened::Frozen));
     state(&mut s, "b", NodeState::On);
     evaluate(&mut s, &[]);
-    assert_eq!((log(&mut s), items(&s, "c.value")), ("memo a, executed b, executed c".to_owned(), json!([6.0])));
+    assert_eq!((log(&mut s), items(&s, "c.value")), ("cut off a, executed b, executed c".to_owned(), json!([6.0])));
+}
+
+#[test]
+fn a_node_that_is_frozen_after_other_edits_still_keeps_what_it_had_last() {
+    let mut s = evaluated(chain());
+    s.edit(&Operation::SetParam { node: "a".into(), port: "value".into(), value: Some(json!(5)) }).expect("accepted");
+    let wires = Operation::Disconnect { node: "c".into(), port: "a".into(), from: "b.sum".into() };
+    let back = s.edit(&wires).expect("accepted");
+    s.edit(&back).expect("accepted");
+    state(&mut s, "b", NodeState::Frozen);
+    evaluate(&mut s, &[]);
+    assert_eq!((log(&mut s), items(&s, "c.value")), ("executed a, cut off c".to_owned(), json!([2.0])));
 }
 
 #[test]
@@ -57,11 +69,11 @@ fn a_disabled_node_blocks_and_comes_back_from_the_memo() {
     let mut s = evaluated(chain());
     let back = state(&mut s, "b", NodeState::Disabled);
     let report = evaluate(&mut s, &[]);
-    assert_eq!(log(&mut s), "memo a, blocked c by b");
+    assert_eq!(log(&mut s), "cut off a, blocked c by b");
     assert_eq!(lines(&report), ["warning[blocked] c: blocked by b, which is disabled"]);
     s.edit(&back).expect("accepted");
     evaluate(&mut s, &[]);
-    assert_eq!((log(&mut s), items(&s, "c.value")), ("memo a, memo b, memo c".to_owned(), json!([2.0])));
+    assert_eq!((log(&mut s), items(&s, "c.value")), ("cut off a, memo b, memo c".to_owned(), json!([2.0])));
 }
 
 #[test]
@@ -69,7 +81,7 @@ fn a_bypassed_node_passes_on_what_comes_in_and_cuts_off_like_any_other() {
     let mut s = evaluated(chain());
     state(&mut s, "b", NodeState::Bypassed);
     let report = evaluate(&mut s, &[]);
-    assert_eq!((log(&mut s), items(&s, "c.value")), ("memo a, executed c".to_owned(), json!([1.0])));
+    assert_eq!((log(&mut s), items(&s, "c.value")), ("cut off a, executed c".to_owned(), json!([1.0])));
     assert_eq!(report.node("b").map(|n| n.happened), Some(Happened::Bypassed));
     // A parameter that is not passed on changes nothing behind it.
     s.set("b.b", json!(7)).expect("accepted");
@@ -80,7 +92,7 @@ fn a_bypassed_node_passes_on_what_comes_in_and_cuts_off_like_any_other() {
     assert_eq!((log(&mut s), items(&s, "c.value")), ("executed a, executed c".to_owned(), json!([4.0])));
     state(&mut s, "b", NodeState::On);
     evaluate(&mut s, &[]);
-    assert_eq!((log(&mut s), items(&s, "c.value")), ("memo a, executed b, executed c".to_owned(), json!([11.0])));
+    assert_eq!((log(&mut s), items(&s, "c.value")), ("cut off a, executed b, executed c".to_owned(), json!([11.0])));
 }
 
 /// Two outputs of one type and one of another; three inputs.
@@ -180,10 +192,10 @@ fn another_matching_is_another_input() {
     let shortest = Operation::SetMatching { node: "x".into(), matching: Some(Matching::Shortest) };
     let back = s.edit(&shortest).expect("accepted");
     evaluate(&mut s, &[]);
-    assert_eq!((log(&mut s), items(&s, "x.sum")), ("memo p, memo q, executed x".to_owned(), json!([0.0, 2.0])));
+    assert_eq!((log(&mut s), items(&s, "x.sum")), ("cut off p, cut off q, executed x".to_owned(), json!([0.0, 2.0])));
     s.edit(&back).expect("accepted");
     evaluate(&mut s, &[]);
-    assert_eq!((log(&mut s), items(&s, "x.sum")), ("memo p, memo q, memo x".to_owned(), json!([0.0, 2.0, 3.0])));
+    assert_eq!((log(&mut s), items(&s, "x.sum")), ("cut off p, cut off q, memo x".to_owned(), json!([0.0, 2.0, 3.0])));
 }
 
 #[test]

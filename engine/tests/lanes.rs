@@ -97,3 +97,18 @@ fn many_lanes_are_the_same_on_any_number_of_threads() {
     assert_eq!(one.1.len(), 3);
     assert_eq!(one, digest(4));
 }
+
+#[test]
+fn a_cross_over_many_branches_is_refused_before_it_fills_the_memory() {
+    // Each branch alone would pass.
+    let mut s = session(json!({
+        "s": {"type": "series", "params": {"count": 20_000}},
+        "x": {"type": "add", "match": "cross", "inputs": {
+            "a": {"from": ["s.values"], "tree": ["graft"]}, "b": {"from": ["s.values"]}}},
+    }));
+    let report = evaluate(&mut s, &[]);
+    assert_eq!(
+        lines(&report),
+        ["error[too-many-lanes] x: 13422 of 20000 branches come to 268440000 runs; the most is 268435456"]
+    );
+}

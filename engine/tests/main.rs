@@ -15,6 +15,7 @@ mod laws;
 mod links;
 mod live;
 mod migrations;
+mod model;
 mod operations;
 mod ports;
 mod scale;

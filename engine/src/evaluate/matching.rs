@@ -100,7 +100,7 @@ struct Branch<'a> {
     lanes: Lanes,
 }
 
-/// The most lanes one branch may have: a cross of long lists is more likely a slip than a wish.
+/// The most lanes all branches together may have: a cross of long lists is more likely a slip than a wish.
 const MOST_LANES: usize = 1 << 28;
 /// Nodes with more ports than this are never simple.
 const SIMPLE_PORTS: usize = 6;
@@ -288,12 +288,19 @@ fn branches<'a>(node_type: &NodeType, inputs: &'a [Input<'a>], matching: Matchin
     // The first port with the most branches names the paths.
     let longest = matched().map(|t| t.branches().len()).max().unwrap_or(0);
     let names = matched().find(|t| t.branches().len() == longest);
-    (0..count)
-        .map(|b| {
-            let path = names.and_then(|t| t.branches().get(b)).map_or_else(Path::root, |(p, _)| p.clone());
-            branch(node_type, inputs, matching, b, path)
-        })
-        .collect()
+    let mut all = Vec::with_capacity(count);
+    let mut lanes = 0usize;
+    for b in 0..count {
+        let path = names.and_then(|t| t.branches().get(b)).map_or_else(Path::root, |(p, _)| p.clone());
+        let branch = branch(node_type, inputs, matching, b, path)?;
+        lanes = lanes.saturating_add(branch.lanes.count);
+        if lanes > MOST_LANES {
+            let message = format!("{} of {count} branches come to {lanes} runs; the most is {MOST_LANES}", b + 1);
+            return Err(Fail::new("too-many-lanes", message));
+        }
+        all.push(branch);
+    }
+    Ok(all)
 }
 
 fn branch<'a>(

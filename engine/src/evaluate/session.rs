@@ -190,7 +190,8 @@ impl Session {
         &self.registry
     }
 
-    /// Exchanges the document; remembered results stay, so only what is new runs, and frozen nodes keep their outputs.
+    /// Exchanges the document; what nodes had last and remembered results stay, so only what is new runs, and frozen nodes
+    /// keep their outputs.
     /// O(nodes + wires).
     pub fn replace(&mut self, mut document: Document) {
         document.read_links(&*self.options.host);
@@ -205,18 +206,19 @@ impl Session {
             let Some(o) = old_plan.find(&self.plan.ids[n]) else { continue };
             let (new, old) = (&self.plan.nodes[n], &old_plan.nodes[o]);
             let same = self.plan.node_type(n).zip(old_plan.node_type(o)).is_some_and(|(a, b)| a.digest == b.digest);
-            if new.state == NodeState::Frozen
-                && old.state != NodeState::Bypassed
-                && same
-                && old_nodes[o].present
-                && old_nodes[o].status == Status::Good
-            {
+            // What it had last stays if it is frozen now or later, and holds as long as what comes in is the same. Without
+            // a key it was bypassed: then it has nothing of its own.
+            let run = &old_nodes[o];
+            if same && run.present && run.status == Status::Good && run.key != 0 {
                 for i in 0..new.output_count as usize {
                     let value = old_values[old.outputs as usize + i].clone();
                     self.digests[new.outputs as usize + i] = value.as_ref().map_or(0, Tree::digest);
                     self.values[new.outputs as usize + i] = value;
                 }
-                self.nodes[n] = NodeRun { dirty: true, ..old_nodes[o].clone() };
+                self.nodes[n] = NodeRun { dirty: true, ..run.clone() };
+                if run.reports.is_some() {
+                    self.vocal.insert(n as u32);
+                }
             }
         }
     }
@@ -410,6 +412,11 @@ impl Session {
     #[must_use]
     pub fn value(&self, name: &str) -> Option<Tree> {
         let (n, o) = self.find_value(name).ok()?;
+        let run = &self.nodes[n];
+        // Nobody has asked for it, and it may be out of date.
+        if run.dirty && !run.needed && self.plan.nodes[n].state != NodeState::Frozen {
+            return None;
+        }
         self.values[self.plan.nodes[n].outputs as usize + o].clone()
     }
 

@@ -1,0 +1,258 @@
+//! Random edit scripts. A step stays meaningful when others are taken out of the script, so failing ones can be shrunk.
+
+use super::world::TYPES;
+use serde_json::json;
+use tenon_engine::*;
+
+/// One step.
+#[derive(Clone, Debug)]
+pub enum Step {
+    /// `Session::edit`, one step of the history.
+    Edit(Operation),
+    /// `Session::set`.
+    Set(String, Json),
+    /// The document is written, read and handed over whole.
+    Reload,
+    Begin,
+    Commit,
+    Undo,
+    Redo,
+    /// The nodes of the first few ids copied and pasted.
+    Paste(Vec<String>),
+    /// A file gets other content, or goes.
+    File(String, Option<usize>),
+    Evaluate(Vec<String>),
+    /// An evaluation that is cancelled from within its n-th call of a node.
+    Cancel(usize, Vec<String>),
+}
+
+/// Choices from a seed.
+pub struct Dice(Random);
+
+impl Dice {
+    pub fn new(seed: i64) -> Self {
+        Self(Random::new(seed))
+    }
+
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.0.next().unwrap_or(0.0) * n as f64) as usize
+    }
+
+    fn of<'a, T>(&mut self, all: &'a [T]) -> &'a T {
+        &all[self.below(all.len())]
+    }
+
+    fn chance(&mut self, percent: usize) -> bool {
+        self.below(100) < percent
+    }
+}
+
+const IDS: usize = 11;
+
+fn id(dice: &mut Dice) -> String {
+    format!("n{}", dice.below(IDS))
+}
+
+/// A node that is there, mostly.
+fn known(dice: &mut Dice, document: &Document) -> String {
+    let ids: Vec<&String> = document.nodes().keys().collect();
+    if ids.is_empty() || dice.chance(3) { id(dice) } else { (*dice.of(&ids)).clone() }
+}
+
+fn ports(type_name: &str) -> Option<&'static (&'static str, &'static [&'static str], &'static [&'static str])> {
+    TYPES.iter().find(|t| t.0 == type_name)
+}
+
+fn input_of(dice: &mut Dice, document: &Document, node: &str) -> String {
+    let found = document.nodes().get(node).and_then(|n| ports(&n.type_name));
+    if dice.chance(2) { "nowhere".into() } else { found.map_or("a", |t| *dice.of(t.1)).to_owned() }
+}
+
+/// An output of another node; hardly ever one that makes a circle.
+fn source(dice: &mut Dice, document: &Document, of: &str) -> String {
+    let earlier: Vec<&String> = document.nodes().keys().filter(|k| dice.below(40) == 0 || k.as_str() < of).collect();
+    if earlier.is_empty() {
+        return format!("{}.value", id(dice));
+    }
+    let node = *dice.of(&earlier);
+    let port = document.nodes().get(node).and_then(|n| ports(&n.type_name)).map_or("value", |t| *dice.of(t.2));
+    format!("{node}.{port}")
+}
+
+fn value(dice: &mut Dice) -> Json {
+    match dice.below(40) {
+        0..24 => json!(dice.of(&[-4.0, -1.0, 0.0, 0.5, 1.0, 1.7, 2.0, 3.0, 3.5, 5.0])),
+        24..29 => json!(dice.below(5)),
+        29..32 => (0..dice.below(4)).map(|_| json!(dice.below(7) as f64 - 2.0)).collect(),
+        32 | 33 => json!(13.0),
+        34..37 => json!(dice.of(&["in0 * 2", "in1 + 1", "in0 / 4", "in0 mm"])),
+        37 => json!(dice.of(&["what", "a.txt", "b.txt"])),
+        38 => json!([1.0, null, -2.0]),
+        _ => Json::Null,
+    }
+}
+
+fn node(dice: &mut Dice, document: &Document, id: &str) -> Node {
+    let (type_name, inputs, _) = dice.of(&TYPES);
+    let mut node = Node::new(if dice.chance(2) { "nobody/knows" } else { *type_name });
+    // Half of the nodes can be told apart by their calls, the other half share results.
+    if dice.chance(50) {
+        let tag = 1 + id.bytes().map(i64::from).sum::<i64>() + 1000 * dice.below(1000) as i64;
+        node.params.insert("tag", json!(tag));
+    }
+    for port in *inputs {
+        if *port == "path" {
+            node.params.insert("path", json!(dice.of(&["a.txt", "b.txt", "c.txt"])));
+        } else if dice.chance(70) && !document.nodes().is_empty() {
+            node.inputs.insert(*port, wires(dice, document, id));
+        } else if dice.chance(70) {
+            node.params.insert(*port, value(dice));
+        }
+    }
+    if dice.chance(15) {
+        node.matching = matching(dice);
+    }
+    if dice.chance(5) {
+        node.state = state(dice);
+    }
+    node
+}
+
+fn wires(dice: &mut Dice, document: &Document, of: &str) -> Wires {
+    let mut wires = Wires::default();
+    let count = if dice.chance(25) { 2 } else { 1 };
+    wires.from = (0..count).map(|_| source(dice, document, of)).collect();
+    if dice.chance(20) {
+        wires.tree.push(*dice.of(&[TreeOp::Graft, TreeOp::Flatten, TreeOp::Simplify, TreeOp::Reverse]));
+    }
+    if dice.chance(10) {
+        wires.matching = matching(dice);
+    }
+    wires
+}
+
+fn matching(dice: &mut Dice) -> Option<Matching> {
+    *dice.of(&[None, Some(Matching::Longest), Some(Matching::Shortest), Some(Matching::Cross)])
+}
+
+fn state(dice: &mut Dice) -> NodeState {
+    use NodeState::{Bypassed, Disabled, Frozen, On};
+    *dice.of(&[On, On, Frozen, Frozen, Disabled, Bypassed])
+}
+
+fn operation(dice: &mut Dice, document: &Document) -> Operation {
+    use Operation as O;
+    let node_id = known(dice, document);
+    match dice.below(48) {
+        0..7 => {
+            let id = id(dice);
+            O::AddNode { node: Box::new(node(dice, document, &id)), id }
+        }
+        7 | 8 => O::RemoveNode { id: node_id },
+        9 => O::PutNode { node: Some(Box::new(node(dice, document, &node_id))), id: node_id },
+        10 => O::Rename { from: node_id, to: id(dice) },
+        11..16 => O::Connect {
+            port: input_of(dice, document, &node_id),
+            from: source(dice, document, &node_id),
+            at: dice.chance(30).then_some(0),
+            node: node_id,
+        },
+        16..18 => {
+            let wired: Vec<(String, String)> = document.nodes().get(&node_id).map_or_else(Vec::new, |n| {
+                n.inputs.iter().flat_map(|(p, w)| w.from.iter().map(|f| (p.clone(), f.clone()))).collect()
+            });
+            let gone = ("a".to_owned(), "n0.value".to_owned());
+            let (port, from) = if wired.is_empty() { gone } else { dice.of(&wired).clone() };
+            O::Disconnect { node: node_id, port, from }
+        }
+        18..20 => O::PutWires {
+            port: input_of(dice, document, &node_id),
+            wires: dice.chance(70).then(|| wires(dice, document, &node_id)),
+            node: node_id,
+        },
+        20..32 => O::SetParam {
+            port: input_of(dice, document, &node_id),
+            value: dice.chance(85).then(|| value(dice)),
+            node: node_id,
+        },
+        32..34 => O::SetMatching { node: node_id, matching: matching(dice) },
+        34..41 => O::SetState { node: node_id, state: state(dice) },
+        41 => O::SetNote { node: node_id, note: Some("remark".into()) },
+        42 => O::Move { node: node_id, to: Some([1.0, 2.0]) },
+        43 => {
+            let nodes = (0..2).map(|_| known(dice, document)).collect();
+            O::SetGroup { name: "g".into(), nodes: dice.chance(70).then_some(nodes) }
+        }
+        44..46 => {
+            let mut input = InterfaceInput::default();
+            let bound = |dice: &mut Dice| {
+                let node = known(dice, document);
+                format!("{node}.{}", input_of(dice, document, &node))
+            };
+            input.ports = (0..1 + dice.below(2)).map(|_| bound(dice)).collect();
+            input.max = dice.chance(20).then_some(3.0);
+            O::SetInput { name: format!("in{}", dice.below(2)), input: dice.chance(85).then_some(input) }
+        }
+        _ => {
+            let mut output = InterfaceOutput::default();
+            output.port = source(dice, document, "z");
+            O::SetOutput { name: format!("out{}", dice.below(2)), output: dice.chance(50).then_some(output) }
+        }
+    }
+}
+
+fn targets(dice: &mut Dice, document: &Document) -> Vec<String> {
+    match dice.below(10) {
+        0..5 => Vec::new(),
+        5 => document.outputs.keys().cloned().collect(),
+        _ => (0..1 + dice.below(3)).map(|_| source(dice, document, "z")).collect(),
+    }
+}
+
+/// `length` steps: bursts of edits, each followed by an evaluation.
+pub fn script(seed: i64, length: usize) -> Vec<Step> {
+    let mut dice = Dice::new(seed);
+    // What the script has made so far, so that most of its steps find what they name.
+    let mut shadow = Document::new();
+    let mut steps = Vec::new();
+    let edit = |dice: &mut Dice, shadow: &mut Document| {
+        let operation = if dice.chance(6) {
+            Operation::All((0..dice.below(4)).map(|_| operation(dice, shadow)).collect())
+        } else {
+            operation(dice, shadow)
+        };
+        // Refused ones stay in the script: they must change nothing.
+        let _ = operation.apply(shadow);
+        Step::Edit(operation)
+    };
+    for _ in 0..6 {
+        steps.push(edit(&mut dice, &mut shadow));
+    }
+    while steps.len() < length {
+        let step = match dice.below(100) {
+            0..60 => edit(&mut dice, &mut shadow),
+            60..65 => {
+                let names: Vec<String> = shadow.inputs.keys().cloned().collect();
+                let node = known(&mut dice, &shadow);
+                let port = format!("{node}.{}", input_of(&mut dice, &shadow, &node));
+                let name = if names.is_empty() || dice.chance(40) { port } else { dice.of(&names).clone() };
+                Step::Set(name, value(&mut dice))
+            }
+            65 => Step::Reload,
+            66 => Step::Begin,
+            67 => Step::Commit,
+            68..72 => Step::Undo,
+            72..74 => Step::Redo,
+            74 => Step::Paste((0..2).map(|_| known(&mut dice, &shadow)).collect()),
+            75..77 => {
+                let name = (*dice.of(&["a.txt", "b.txt"])).to_owned();
+                Step::File(name, dice.chance(85).then(|| dice.below(4)))
+            }
+            77..80 => Step::Cancel(1 + dice.below(8), targets(&mut dice, &shadow)),
+            _ => Step::Evaluate(targets(&mut dice, &shadow)),
+        };
+        steps.push(step);
+    }
+    steps.push(Step::Evaluate(Vec::new()));
+    steps
+}
