@@ -3,7 +3,10 @@
 mod bad_input;
 mod chain;
 mod common;
+mod corpus;
 mod expression;
+#[path = "../../fuzz/src/lib.rs"]
+mod fuzz;
 mod graphs;
 mod order;
 mod registry;
