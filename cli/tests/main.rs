@@ -8,6 +8,7 @@ mod get;
 mod graphs;
 mod inspect;
 mod interrupt;
+mod kill;
 mod nodes;
 mod report;
 mod schema;
