@@ -1,5 +1,6 @@
 //! The window: menus, canvas, viewport, panels, keys. Everything that it does goes to the model.
 
+use crate::boards::BoardView;
 use crate::canvas::Canvas;
 use crate::model::Model;
 use crate::panels::{self, Browse, Browser, Lower};
@@ -17,6 +18,10 @@ pub struct App {
     pub canvas: Canvas,
     /// What nodes make.
     pub viewport: Viewport,
+    /// Parts on boards, and the player.
+    pub boards: BoardView,
+    /// What stands beside the canvas.
+    pub side: Side,
     /// What stands below the canvas.
     pub lower: Lower,
     browser: Option<Browser>,
@@ -27,6 +32,15 @@ pub struct App {
     card: String,
     has_card: bool,
     title: String,
+}
+
+/// What stands beside the canvas.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// What nodes make, in space.
+    Space,
+    /// Parts on boards.
+    Boards,
 }
 
 /// Where one goes when unsaved work is left.
@@ -66,6 +80,8 @@ impl App {
             model: Model::new(move || ctx.request_repaint())?,
             canvas: Canvas::default(),
             viewport: Viewport::default(),
+            boards: BoardView::default(),
+            side: Side::Space,
             lower: Lower::default(),
             browser: None,
             help: false,
@@ -86,6 +102,7 @@ impl App {
             Ok(()) => {
                 self.canvas.opened();
                 self.viewport.opened();
+                self.boards.opened();
             }
             Err(all) => {
                 let more = if all.len() > 1 { format!(" (and {} more)", all.len() - 1) } else { String::new() };
@@ -119,6 +136,7 @@ impl App {
                 self.model.clear();
                 self.canvas.opened();
                 self.viewport.opened();
+                self.boards.opened();
             }
             Leave::Open(path) => self.open(&path),
         }
@@ -294,6 +312,9 @@ impl App {
             if ui.button(RichText::new(words).color(colour)).clicked() {
                 self.lower.toggle(panels::Tab::Problems);
             }
+            if ui.button("Data").clicked() {
+                self.lower.toggle(panels::Tab::Data);
+            }
             if ui.button("Profile").clicked() {
                 self.lower.toggle(panels::Tab::Profile);
             }
@@ -326,6 +347,32 @@ impl App {
             }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| ui.weak(&self.card));
         });
+    }
+
+    fn side(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            ui.selectable_value(&mut self.side, Side::Space, "Space");
+            ui.selectable_value(&mut self.side, Side::Boards, "Boards");
+        });
+        let keys = ui.rect_contains_pointer(ui.max_rect()) && !ui.ctx().egui_wants_keyboard_input();
+        let fit = keys && ui.input(|i| i.key_pressed(Key::F));
+        match self.side {
+            Side::Boards => {
+                if fit {
+                    self.boards.show_all();
+                }
+                self.boards.show(ui, &mut self.model, &mut self.viewport.picked);
+            }
+            Side::Space if self.has_card => {
+                if fit {
+                    self.viewport.show_all();
+                }
+                self.viewport.show(ui, &mut self.model);
+            }
+            Side::Space => {
+                ui.centered_and_justified(|ui| ui.label("no graphics: the viewport cannot be shown"));
+            }
+        }
     }
 
     fn ask(&mut self, ui: &Ui) {
@@ -398,16 +445,7 @@ impl eframe::App for App {
                 .show(ui, |ui| {
                     panels::inspector(ui, &mut self.model);
                 });
-            egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| {
-                if self.has_card {
-                    self.viewport.show(ui, &mut self.model);
-                    if ui.rect_contains_pointer(ui.max_rect()) && !ui.ctx().egui_wants_keyboard_input() {
-                        self.viewport.keys(ui);
-                    }
-                } else {
-                    ui.centered_and_justified(|ui| ui.label("no graphics: the viewport cannot be shown"));
-                }
-            });
+            egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.side(ui));
         });
         if self.lower.tab.is_some() {
             egui::Panel::bottom("lower").resizable(true).default_size(200.0).show(ui, |ui| {

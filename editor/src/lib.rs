@@ -2,6 +2,7 @@
 //! engine's; evaluation runs beside the window, which never waits for it.
 
 pub mod app;
+pub mod boards;
 pub mod canvas;
 pub mod model;
 pub mod panels;

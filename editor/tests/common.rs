@@ -70,6 +70,11 @@ impl Window {
         self.harness.get_by_label(label).rect()
     }
 
+    /// The first of several of that name.
+    pub fn first(&self, label: &str) -> Rect {
+        self.harness.get_all_by_label(label).next().unwrap().rect()
+    }
+
     pub fn has(&self, label: &str) -> bool {
         self.harness.query_by_label(label).is_some()
     }

@@ -17,4 +17,15 @@ fn pictures_of_the_book() {
     w.app().model.selection.clear();
     w.steps(2);
     save(&mut w, "editor");
+    w.app().side = tenon_editor::app::Side::Boards;
+    w.app().model.selection = ["pack".to_owned()].into();
+    w.app().canvas.show_all();
+    w.steps(3);
+    let length = w.app().boards.plays()[0].length();
+    w.app().boards.player.code = true;
+    w.app().boards.player.go_to(0.08 * length);
+    w.steps(1);
+    w.app().boards.show_all();
+    w.steps(3);
+    save(&mut w, "editor-boards");
 }

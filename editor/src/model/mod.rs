@@ -3,6 +3,7 @@
 
 pub mod arrange;
 pub mod catalog;
+pub mod cut;
 pub mod file;
 pub mod handle;
 pub mod param;

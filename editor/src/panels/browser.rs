@@ -80,11 +80,11 @@ impl Browser {
             ui.label(RichText::new(self.folder.display().to_string()).monospace());
             ScrollArea::vertical().max_height(300.0).auto_shrink(false).show(ui, |ui| {
                 let mut go = None;
-                if self.folder.parent().is_some() && ui.selectable_label(false, "⬆ ..").clicked() {
+                if self.folder.parent().is_some() && ui.selectable_label(false, "..").clicked() {
                     go = self.folder.parent().map(Path::to_owned);
                 }
                 for (name, is_folder) in &self.entries {
-                    let words = if *is_folder { format!("🗀 {name}") } else { name.clone() };
+                    let words = if *is_folder { format!("{name}/") } else { name.clone() };
                     let row = ui.selectable_label(*name == self.name, words);
                     if row.clicked() && *is_folder {
                         go = Some(self.folder.join(name));

@@ -1,5 +1,6 @@
-//! Below the canvas: all that is wrong, and where the time goes. A click goes to the node.
+//! Below the canvas: all that is wrong, where the time goes, and values as tables. A click goes to the node.
 
+use super::data::DataView;
 use crate::model::Model;
 use crate::theme::{self, Theme};
 use eframe::egui::{Align2, FontId, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};
@@ -12,6 +13,8 @@ pub enum Tab {
     Problems,
     /// Where the time goes.
     Profile,
+    /// What the selected node gives.
+    Data,
 }
 
 /// The panel below the canvas.
@@ -19,6 +22,7 @@ pub enum Tab {
 pub struct Lower {
     /// What it shows; none: it is closed.
     pub tab: Option<Tab>,
+    data: DataView,
 }
 
 impl Lower {
@@ -30,12 +34,12 @@ impl Lower {
     /// Shows it; gives the node that was clicked.
     pub fn show(&mut self, ui: &mut Ui, model: &Model) -> Option<String> {
         ui.horizontal(|ui| {
-            for (tab, words) in [(Tab::Problems, "Problems"), (Tab::Profile, "Profile")] {
+            for (tab, words) in [(Tab::Problems, "Problems"), (Tab::Profile, "Profile"), (Tab::Data, "Data")] {
                 if ui.selectable_label(self.tab == Some(tab), words).clicked() {
                     self.tab = Some(tab);
                 }
             }
-            if ui.small_button("✕").clicked() {
+            if ui.small_button("×").on_hover_text("close").clicked() {
                 self.tab = None;
             }
         });
@@ -43,6 +47,10 @@ impl Lower {
         match self.tab? {
             Tab::Problems => problems(ui, model),
             Tab::Profile => profile(ui, model),
+            Tab::Data => {
+                self.data.show(ui, model);
+                None
+            }
         }
     }
 }

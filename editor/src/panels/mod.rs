@@ -1,6 +1,7 @@
 //! Panels around the canvas: what the selected node is, what is wrong, where the time goes, files, keys.
 
 mod browser;
+mod data;
 mod help;
 mod inspector;
 mod lower;

@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::scene::{Drawing, Kind};
 use crate::theme::Theme;
 use eframe::egui::{
-    self, Align2, Color32, FontId, Id, Key, PointerButton, Rect, Response, Sense, Stroke, Ui, WidgetInfo, WidgetType,
+    self, Align2, Color32, FontId, Id, PointerButton, Rect, Response, Sense, Stroke, Ui, WidgetInfo, WidgetType,
 };
 use glam::DVec3;
 use gpu::{Frame, Shown};
@@ -254,12 +254,5 @@ impl Viewport {
             }
             ui.toggle_value(&mut self.labels, "Addresses");
         });
-    }
-
-    /// Keys that the viewport knows while the pointer is over it.
-    pub fn keys(&mut self, ui: &Ui) {
-        if ui.input(|i| i.key_pressed(Key::F)) {
-            self.fit = true;
-        }
     }
 }

@@ -1,0 +1,144 @@
+//! The player: which program, where in time, how fast; and its text with the line that runs.
+
+use super::draw::kind_colour;
+use crate::model::cut::{Kind, Now, Play};
+use crate::theme::Theme;
+use eframe::egui::{self, ComboBox, RichText, ScrollArea, Slider, TextStyle, Ui};
+use tenon_nodes::value::Standing;
+
+/// Where the tool is.
+pub struct Player {
+    /// The program that is played.
+    pub program: usize,
+    /// Seconds from its start.
+    pub time: f64,
+    /// Times real time.
+    pub speed: f64,
+    /// It runs.
+    pub playing: bool,
+    /// The text is shown.
+    pub code: bool,
+    /// Something was played, so that the tool is drawn.
+    begun: bool,
+    /// The line that the text was brought to.
+    at_line: u32,
+}
+
+impl Default for Player {
+    fn default() -> Self {
+        Self { program: 0, time: 0.0, speed: 20.0, playing: false, code: false, begun: false, at_line: 0 }
+    }
+}
+
+fn clock(seconds: f64) -> String {
+    let s = seconds.max(0.0).round() as u64;
+    format!("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+}
+
+impl Player {
+    /// The program that is played and where its tool is; none before anything was played.
+    pub fn now<'a>(&self, plays: &'a [Play]) -> Option<(&'a Play, Now)> {
+        let play = plays.get(self.program).filter(|_| self.begun)?;
+        Some((play, play.at(self.time)?))
+    }
+
+    /// Goes to a time and shows the tool there.
+    pub fn go_to(&mut self, time: f64) {
+        (self.time, self.begun) = (time, true);
+    }
+
+    /// Takes the program of a board.
+    pub fn choose(&mut self, plays: &[Play], board: u32) {
+        if let Some(program) = plays.iter().position(|p| p.board == board).filter(|p| *p != self.program) {
+            (self.program, self.time, self.playing) = (program, 0.0, false);
+        }
+    }
+
+    /// The bar below the boards.
+    pub fn bar(&mut self, ui: &mut Ui, plays: &[Play]) {
+        self.program = self.program.min(plays.len().saturating_sub(1));
+        let Some(play) = plays.get(self.program) else { return };
+        let length = play.length();
+        if self.playing {
+            self.time += f64::from(ui.input(|i| i.stable_dt.min(0.1))) * self.speed;
+            self.playing = self.time < length;
+        }
+        self.time = self.time.clamp(0.0, length);
+        ui.add_space(3.0);
+        ui.horizontal(|ui| {
+            ComboBox::from_id_salt("program").selected_text(&play.name).show_ui(ui, |ui| {
+                for (i, p) in plays.iter().enumerate() {
+                    if ui.selectable_label(i == self.program, &p.name).clicked() && i != self.program {
+                        (self.program, self.time, self.playing) = (i, 0.0, false);
+                    }
+                }
+            });
+            let theme = Theme::of(ui);
+            match (&play.standing, &play.refused) {
+                (_, Some((line, why))) => ui.colored_label(theme.error, format!("line {line}: {why}")),
+                (Standing::Passed, _) => ui.colored_label(theme.selected, "proven"),
+                (Standing::Unproven, _) => ui.colored_label(theme.warning, "unproven"),
+                (Standing::Failed(why), _) => ui.colored_label(theme.error, format!("proof failed: {why}")),
+            };
+            ui.label(format!("{} of {}", clock(self.time), clock(length)))
+                .on_hover_text("estimated: rapid moves at 20 m/min, no acceleration, no tool changes");
+            ui.toggle_value(&mut self.code, "Program");
+        });
+        ui.horizontal(|ui| {
+            if ui.button(if self.playing { "Pause" } else { "Play" }).clicked() {
+                self.playing = !self.playing;
+                if self.playing && self.time >= length {
+                    self.time = 0.0;
+                }
+                self.begun = true;
+            }
+            ui.spacing_mut().slider_width = (ui.available_width() - 190.0).max(60.0);
+            let slider = ui.add(Slider::new(&mut self.time, 0.0..=length.max(1e-9)).show_value(false));
+            slider.widget_info(|| egui::WidgetInfo::slider(true, self.time, "time"));
+            if slider.changed() {
+                self.begun = true;
+            }
+            ui.add(egui::DragValue::new(&mut self.speed).range(0.1..=1000.0).speed(1.0).max_decimals(1).suffix(" ×"))
+                .on_hover_text("times real time");
+        });
+        ui.horizontal(|ui| {
+            let kinds =
+                [("rapid", Kind::Rapid), ("plunge", Kind::Plunge), ("cut", Kind::Cut), ("retract", Kind::Retract)];
+            for (words, kind) in kinds {
+                ui.label(RichText::new(format!("■ {words}")).small().color(kind_colour(kind)));
+            }
+            let step = play.at(self.time).and_then(|n| play.steps.get(n.step));
+            if let Some((step, tool)) = step.and_then(|s| Some((s, play.tool(s)?))) {
+                ui.label(RichText::new(format!("line {}, tool {}: {}", step.line, tool.number, tool.name)).small());
+            }
+        });
+    }
+
+    /// The text of the program; a click on a line goes there.
+    pub fn code(&mut self, ui: &mut Ui, plays: &[Play]) {
+        let Some(play) = plays.get(self.program) else { return };
+        let line = play.at(self.time).and_then(|n| play.steps.get(n.step)).map_or(1, |s| s.line);
+        let height = ui.text_style_height(&TextStyle::Monospace) + ui.spacing().item_spacing.y;
+        let mut area = ScrollArea::both().auto_shrink(false);
+        if line != self.at_line {
+            // The line that runs stays in the middle.
+            let middle = (ui.available_height() / 2.0 / height).floor();
+            area = area.vertical_scroll_offset(((line as f32 - 1.0 - middle) * height).max(0.0));
+            self.at_line = line;
+        }
+        let mut go = None;
+        area.show_rows(ui, height - ui.spacing().item_spacing.y, play.line_count(), |ui, rows| {
+            ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
+            for row in rows {
+                let number = row as u32 + 1;
+                let text = RichText::new(format!("{number:>6}  {}", play.line(row + 1))).monospace();
+                if ui.selectable_label(number == line, text).clicked() {
+                    go = play.time_of(number);
+                }
+            }
+        });
+        if let Some(time) = go {
+            self.go_to(time);
+        }
+    }
+}
