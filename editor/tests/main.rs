@@ -2,6 +2,7 @@
 
 mod boards;
 mod canvas;
+mod clusters;
 mod common;
 mod files;
 mod history;

@@ -73,6 +73,14 @@ impl Canvas {
                 operation = Some(group(model));
                 ui.close();
             }
+            if ui.button("Make a cluster").clicked() {
+                model.message = model.gather().err();
+                ui.close();
+            }
+            if shape.info.type_name.starts_with("cluster:") && ui.button("Explode the cluster").clicked() {
+                model.message = model.explode(&id).err();
+                ui.close();
+            }
             if ui.button("Delete").clicked() {
                 model.delete_selection();
                 ui.close();

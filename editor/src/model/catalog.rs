@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
-use tenon_engine::{Access, Json, Node, NodeType, Registry};
+use tenon_engine::{Access, Document, Json, Node, NodeType, Registry};
 
 /// One input or output.
 #[derive(Clone, Debug)]
@@ -57,6 +57,8 @@ pub struct TypeInfo {
 #[derive(Debug, Default)]
 pub struct Catalog {
     types: BTreeMap<String, Arc<TypeInfo>>,
+    /// The clusters of the document, by the type of their instances.
+    clusters: BTreeMap<String, Arc<TypeInfo>>,
     conversions: HashSet<(String, String)>,
 }
 
@@ -110,6 +112,7 @@ impl Catalog {
     #[must_use]
     pub fn new(registry: &Registry) -> Self {
         Self {
+            clusters: BTreeMap::new(),
             types: registry.iter().map(|t| (t.type_name().to_owned(), Arc::new(info(t)))).collect(),
             conversions: registry.conversions().iter().map(|c| (c.from.to_owned(), c.to.to_owned())).collect(),
         }
@@ -118,7 +121,13 @@ impl Catalog {
     /// The node type of that name.
     #[must_use]
     pub fn get(&self, type_name: &str) -> Option<&Arc<TypeInfo>> {
-        self.types.get(type_name)
+        self.types.get(type_name).or_else(|| self.clusters.get(type_name))
+    }
+
+    /// Takes the clusters of a document in place of those there were. O(clusters after expansion).
+    pub fn take_clusters(&mut self, document: &Document, registry: &Registry) {
+        let types = document.clusters.keys().filter_map(|name| document.cluster_type(name, registry).ok());
+        self.clusters = types.map(|t| (t.type_name().to_owned(), Arc::new(info(&t)))).collect();
     }
 
     /// The type of a node; of one that nobody knows, the inputs that the file speaks of.
@@ -171,8 +180,13 @@ impl Catalog {
     #[must_use]
     pub fn find(&self, typed: &str, like: impl Fn(&TypeInfo) -> bool) -> Vec<Arc<TypeInfo>> {
         let typed = typed.trim().to_lowercase();
-        let mut found: Vec<(u32, &Arc<TypeInfo>)> =
-            self.types.values().filter(|t| like(t)).filter_map(|t| rank(t, &typed).map(|r| (r, t))).collect();
+        let mut found: Vec<(u32, &Arc<TypeInfo>)> = self
+            .types
+            .values()
+            .chain(self.clusters.values())
+            .filter(|t| like(t))
+            .filter_map(|t| rank(t, &typed).map(|r| (r, t)))
+            .collect();
         found.sort_by(|a, b| (a.0, &a.1.category, &a.1.title).cmp(&(b.0, &b.1.category, &b.1.title)));
         found.into_iter().map(|(_, t)| t.clone()).collect()
     }

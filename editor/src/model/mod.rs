@@ -20,8 +20,8 @@ use worker::{Update, Worker};
 
 /// One graph being worked on.
 pub struct Model {
-    /// All node types.
-    pub catalog: Arc<Catalog>,
+    /// All node types, the document's clusters among them.
+    pub catalog: Catalog,
     registry: Arc<Registry>,
     document: Document,
     history: History,
@@ -52,7 +52,7 @@ impl Model {
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let registry = Arc::new(tenon_nodes::registry());
         let mut model = Self {
-            catalog: Arc::new(Catalog::new(&registry)),
+            catalog: Catalog::new(&registry),
             worker: Worker::start(registry.clone(), wake)?,
             registry,
             document: Document::new(),
@@ -115,6 +115,8 @@ impl Model {
             Some(folder) => Arc::new(file::Folder(folder)),
             None => Arc::new(NoHost),
         };
+        document.read_links(&*host);
+        self.catalog.take_clusters(&document, &self.registry);
         self.path = path;
         self.document = document;
         self.history = History::default();
@@ -202,6 +204,9 @@ impl Model {
     fn changed(&mut self, operation: Operation) {
         self.revision += 1;
         self.message = None;
+        if worker::touches_clusters(&operation) {
+            self.catalog.take_clusters(&self.document, &self.registry);
+        }
         self.selection.retain(|id| self.document.nodes().contains_key(id));
         self.worker.edit(operation);
         self.show();
@@ -331,7 +336,7 @@ impl Model {
     /// An id that no node has, made from the name of a type: `point`, `point-2` …
     #[must_use]
     pub fn free_id(&self, type_name: &str) -> String {
-        let stem = type_name.replace('.', "_");
+        let stem = type_name.strip_prefix("cluster:").unwrap_or(type_name).replace(['.', '/'], "_");
         let taken = |id: &str| self.document.nodes().contains_key(id);
         if !taken(&stem) {
             return stem;
@@ -420,6 +425,34 @@ impl Model {
         if !self.selection.is_empty() {
             self.edit(Operation::All(all));
         }
+    }
+
+    /// Makes a cluster of the selected nodes, with one instance in their place, and selects that.
+    ///
+    /// # Errors
+    /// If a port takes wires both from selected nodes and from others.
+    pub fn gather(&mut self) -> Result<(), Diagnostic> {
+        let ids: Vec<&str> = self.selection.iter().map(String::as_str).collect();
+        let places: Vec<[f64; 2]> = ids.iter().filter_map(|id| self.document.position(id)).collect();
+        let taken = |n: &str| self.document.clusters.contains_key(n) || self.document.nodes().contains_key(n);
+        let name = (1u64..).map(|n| format!("cluster-{n}")).find(|n| !taken(n)).unwrap_or_default();
+        let gather = self.document.gather(&ids, &name, &name)?;
+        let middle = [0, 1].map(|k| (places.iter().map(|p| p[k]).sum::<f64>() / places.len().max(1) as f64).round());
+        let put = Operation::Move { node: name.clone(), to: Some(middle) };
+        self.apply(Operation::All(vec![gather, put]))?;
+        self.selection = [name].into();
+        Ok(())
+    }
+
+    /// Puts the nodes of a cluster in the place of one of its instances and selects them.
+    ///
+    /// # Errors
+    /// If it is no instance, or its definition cannot be used.
+    pub fn explode(&mut self, instance: &str) -> Result<(), Diagnostic> {
+        let paste = self.document.explode(instance, &self.registry)?;
+        self.apply(paste.operation)?;
+        self.selection = paste.ids.into_values().collect();
+        Ok(())
     }
 
     /// Parameters of a node; none for a node that is not there.

@@ -72,6 +72,7 @@ impl Results {
             let time = if n.happened == Happened::Executed { n.time } else { node.time };
             *node = NodeResult { happened: n.happened, time, bytes: n.bytes };
         }
+        self.sum_instances();
         if done.stage == Stage::All {
             self.diagnostics = done.report.diagnostics;
             for fault in done.faults {
@@ -94,14 +95,35 @@ impl Results {
         self.drawings = done.drawings;
     }
 
+    /// What is inside an instance counts for the instance.
+    fn sum_instances(&mut self) {
+        let mut sums: HashMap<String, NodeResult> = HashMap::new();
+        for (path, r) in &self.nodes {
+            let Some((instance, _)) = path.split_once('/') else { continue };
+            let sum = sums.entry(instance.to_owned()).or_insert(NodeResult { time: Duration::ZERO, bytes: 0, ..*r });
+            sum.time += r.time;
+            sum.bytes += r.bytes;
+            if matches!(r.happened, Happened::Failed | Happened::Blocked) {
+                sum.happened = r.happened;
+            }
+        }
+        self.nodes.extend(sums);
+    }
+
     pub(super) fn settled(&self, sent: u64) -> bool {
         self.revision == sent && self.stage == Some(Stage::All)
+    }
+
+    /// All that is said of a node, or of what is inside an instance, the worst first. O(diagnostics).
+    pub fn of_node<'a, 'b>(&'a self, id: &'b str) -> impl Iterator<Item = &'a Diagnostic> + use<'a, 'b> {
+        let own = move |node: &str| node.strip_prefix(id).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
+        self.diagnostics.iter().filter(move |d| d.node.as_deref().is_some_and(own))
     }
 
     /// The worst that is said of a node, and how many things are said of it. O(diagnostics).
     #[must_use]
     pub fn worst(&self, id: &str) -> Option<(&Diagnostic, usize)> {
-        let mut all = self.diagnostics.iter().filter(|d| d.node.as_deref() == Some(id));
+        let mut all = self.of_node(id);
         let first = all.next()?;
         Some((first, 1 + all.count()))
     }

@@ -2,13 +2,13 @@
 //! updates. First comes what the viewport shows, then everything else; a new edit stops the second, never the window.
 
 use crate::scene::{self, Drawing};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use tenon_engine::{
-    Control, Diagnostic, Document, Host, Operation, Options, Progress, Registry, Report, Session, Tree,
+    Control, Diagnostic, Document, Host, Node, NodeType, Operation, Options, Progress, Registry, Report, Session, Tree,
 };
 
 /// What is shown may take this long before a new edit stops it.
@@ -99,7 +99,17 @@ impl Worker {
             let shared = shared.clone();
             move || {
                 let tell = Tell { outbox, wake: Box::new(wake) };
-                Evaluator { registry, inbox, tell, shared, shown: Vec::new(), known: HashMap::new(), seen: 0 }.run();
+                Evaluator {
+                    registry,
+                    inbox,
+                    tell,
+                    shared,
+                    shown: Vec::new(),
+                    known: HashMap::new(),
+                    outputs: HashMap::new(),
+                    seen: 0,
+                }
+                .run();
             }
         })?;
         Ok(Self { requests: Some(requests), updates, shared, sent: 0, thread: Some(thread) })
@@ -190,6 +200,8 @@ struct Evaluator {
     shown: Vec<String>,
     /// Drawings by digest of what they show, so that what did not change is not drawn anew.
     known: HashMap<u128, Arc<Drawing>>,
+    /// Outputs of clusters, by the type of their instances.
+    outputs: HashMap<String, Vec<String>>,
     seen: u64,
 }
 
@@ -204,7 +216,7 @@ impl Evaluator {
             let shown: Vec<String> = self.shown.iter().filter(|s| session.knows(s).is_ok()).cloned().collect();
             let stopped = !shown.is_empty() && self.evaluate(&mut session, Stage::Shown, &shown);
             if !stopped && self.shared.pending.load(Ordering::SeqCst) == 0 {
-                let ends = ends(&session);
+                let ends = self.ends(&session);
                 self.evaluate(&mut session, Stage::All, &ends);
             }
         }
@@ -218,8 +230,12 @@ impl Evaluator {
                 let options = Options { cache_bytes: CACHE, host, ..Options::default() };
                 *session = Session::new(self.registry.clone(), *document, options);
                 self.known.clear();
+                self.outputs.clear();
             }
             Request::Edit(operation) => {
+                if touches_clusters(&operation) {
+                    self.outputs.clear();
+                }
                 if let Err(diagnostic) = session.edit(&operation) {
                     self.tell.tell(Update::Lost(diagnostic));
                 }
@@ -246,7 +262,7 @@ impl Evaluator {
         session.take_events();
         let stopped = report.cancelled;
         let faults = if stage == Stage::All { session.document().validate(&self.registry) } else { Vec::new() };
-        let (values, drawings) = (values(session), self.draw(session));
+        let (values, drawings) = (self.values(session), self.draw(session));
         let done = Done { stage, revision: self.seen, report, faults, values, drawings };
         self.tell.tell(Update::Done(Box::new(done)));
         stopped
@@ -266,35 +282,59 @@ impl Evaluator {
         self.known = known;
         drawings
     }
-}
 
-/// One output of every node that nothing follows: with them, all nodes are brought up to date.
-fn ends(session: &Session) -> Vec<String> {
-    let nodes = session.document().nodes();
-    let mut inner = std::collections::HashSet::new();
-    for node in nodes.values() {
-        for (_, wires) in &node.inputs {
-            inner.extend(wires.from.iter().filter_map(|f| f.split_once('.')).map(|(id, _)| id));
+    /// Names of a node's outputs; of an instance those of its cluster.
+    fn outputs(&mut self, session: &Session, node: &Node) -> Vec<String> {
+        let names = |t: &NodeType| t.outputs().iter().map(|p| p.name().to_owned()).collect();
+        if let Some(known) = session.registry().get(&node.type_name) {
+            return names(known);
         }
+        let Some(cluster) = node.cluster() else { return Vec::new() };
+        if let Some(known) = self.outputs.get(&node.type_name) {
+            return known.clone();
+        }
+        let found = session.document().cluster_type(cluster, &self.registry);
+        let found = found.map_or_else(|_| Vec::new(), |t| names(&t));
+        self.outputs.insert(node.type_name.clone(), found.clone());
+        found
     }
-    let ends = nodes.iter().filter(|(id, _)| !inner.contains(id.as_str()));
-    ends.filter_map(|(id, node)| {
-        let output = session.registry().get(&node.type_name)?.outputs().first()?;
-        Some(format!("{id}.{}", output.name()))
-    })
-    .collect()
-}
 
-fn values(session: &Session) -> HashMap<String, Tree> {
-    let mut values = HashMap::new();
-    for (id, node) in session.document().nodes() {
-        let Some(node_type) = session.registry().get(&node.type_name) else { continue };
-        for port in node_type.outputs() {
-            let address = format!("{id}.{}", port.name());
-            if let Some(tree) = session.value(&address) {
-                values.insert(address, tree);
+    /// Outputs of all nodes that nothing follows: with them, all nodes are brought up to date. Of an instance all outputs,
+    /// since not all that is in it need stand behind the first.
+    fn ends(&mut self, session: &Session) -> Vec<String> {
+        let nodes = session.document().nodes();
+        let mut inner = HashSet::new();
+        for node in nodes.values() {
+            for (_, wires) in &node.inputs {
+                inner.extend(wires.from.iter().filter_map(|f| f.split_once('.')).map(|(id, _)| id));
             }
         }
+        let mut ends = Vec::new();
+        for (id, node) in nodes {
+            let most = if node.cluster().is_some() { usize::MAX } else { 1 };
+            if most == 1 && inner.contains(id.as_str()) {
+                continue;
+            }
+            ends.extend(self.outputs(session, node).iter().take(most).map(|port| format!("{id}.{port}")));
+        }
+        ends
     }
-    values
+
+    fn values(&mut self, session: &Session) -> HashMap<String, Tree> {
+        let mut values = HashMap::new();
+        for (id, node) in session.document().nodes() {
+            for port in self.outputs(session, node) {
+                let address = format!("{id}.{port}");
+                if let Some(tree) = session.value(&address) {
+                    values.insert(address, tree);
+                }
+            }
+        }
+        values
+    }
+}
+
+/// Whether an operation may change what clusters look like.
+pub(super) fn touches_clusters(operation: &Operation) -> bool {
+    operation.parts().any(|o| matches!(o, Operation::SetCluster { .. } | Operation::InCluster { .. }))
 }

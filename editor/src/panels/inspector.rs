@@ -55,7 +55,7 @@ fn note(ui: &mut Ui, model: &mut Model, id: &str, note: Option<&str>) {
 
 fn problems(ui: &mut Ui, model: &Model, id: &str) {
     let theme = Theme::of(ui);
-    for d in model.results.diagnostics.iter().filter(|d| d.node.as_deref() == Some(id)).take(20) {
+    for d in model.results.of_node(id).take(20) {
         let item = d.item.map(|i| format!("item {i}: ")).unwrap_or_default();
         let hint = d.hint.as_ref().map(|h| format!(" ({h})")).unwrap_or_default();
         let colour = if d.severity == tenon_engine::Severity::Error { theme.error } else { theme.warning };

@@ -72,7 +72,8 @@ fn problems(ui: &mut Ui, model: &Model) -> Option<String> {
             };
             let row = ui.selectable_label(false, RichText::new(d.to_string()).color(colour));
             if row.clicked() {
-                go = d.node.as_ref().map(ToString::to_string);
+                // Of what is inside an instance, the instance is what stands on the canvas.
+                go = d.node.as_deref().and_then(|n| n.split('/').next()).map(str::to_owned);
             }
         }
     });
