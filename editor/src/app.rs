@@ -32,6 +32,8 @@ pub struct App {
     card: String,
     has_card: bool,
     title: String,
+    /// Unsaved work of an earlier window was found, and nobody has said yet what becomes of it.
+    found: bool,
 }
 
 /// What stands beside the canvas.
@@ -89,6 +91,7 @@ impl App {
             has_card: card.is_some(),
             card: card.unwrap_or_else(|| "no graphics".into()),
             title: String::new(),
+            found: false,
         };
         if let Some(graph) = graph {
             app.open(graph);
@@ -103,6 +106,7 @@ impl App {
                 self.canvas.opened();
                 self.viewport.opened();
                 self.boards.opened();
+                self.found = self.model.left_behind().is_some();
             }
             Err(all) => {
                 let more = if all.len() > 1 { format!(" (and {} more)", all.len() - 1) } else { String::new() };
@@ -130,6 +134,7 @@ impl App {
             return;
         }
         self.leaving = None;
+        self.model.forget_kept();
         match to {
             Leave::Quit => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
             Leave::New => {
@@ -188,6 +193,17 @@ impl App {
         if item(ui, "Open …", OPEN) {
             self.browse(Browse::Open);
         }
+        ui.menu_button("Open recent", |ui| {
+            let recent = self.model.recent();
+            if recent.is_empty() {
+                ui.weak("none yet");
+            }
+            for path in recent {
+                if ui.button(path.display().to_string()).clicked() {
+                    self.leave(ui, Leave::Open(path));
+                }
+            }
+        });
         if item(ui, "Save", SAVE) {
             self.save(None);
         }
@@ -401,7 +417,43 @@ impl App {
         }
     }
 
+    /// Asks what becomes of work that an earlier window has left behind.
+    fn ask_for_found(&mut self, ui: &Ui) {
+        let mut answer = None;
+        egui::Modal::new(egui::Id::new("found")).show(ui.ctx(), |ui| {
+            ui.heading("An earlier window ended without saving its work on this graph");
+            ui.horizontal(|ui| {
+                for (words, take) in [("Recover it", true), ("Throw it away", false)] {
+                    if ui.button(words).clicked() {
+                        answer = Some(take);
+                    }
+                }
+            });
+        });
+        match answer {
+            None => return,
+            Some(true) => match self.model.recover() {
+                Ok(()) => self.model.forget_kept(),
+                Err(e) => self.model.message = Some(e),
+            },
+            Some(false) => self.model.forget_kept(),
+        }
+        self.found = false;
+    }
+
+    /// Takes the state folder of this user: recent graphs, and unsaved work of graphs without a file.
+    pub fn remember_in(&mut self, folder: Option<PathBuf>) {
+        self.model.state = folder;
+        self.model.remember();
+        self.found |= self.model.left_behind().is_some();
+    }
+
     fn files(&mut self, ui: &Ui) {
+        if self.found {
+            self.ask_for_found(ui);
+        } else if let Some(soon) = self.model.keep() {
+            ui.ctx().request_repaint_after(soon);
+        }
         let dropped = ui.input(|i| i.raw.dropped_files.first().map(|f| f.path().to_owned()));
         if let Some(path) = dropped {
             self.leave(ui, Leave::Open(path));

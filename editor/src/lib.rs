@@ -23,7 +23,9 @@ pub fn run(graph: Option<PathBuf>) -> eframe::Result {
         .with_app_id("tenon-editor");
     let options = eframe::NativeOptions { viewport: window, ..Default::default() };
     let app = move |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>> {
-        Ok(Box::new(app::App::new(cc, graph.as_deref())?))
+        let mut app = app::App::new(cc, graph.as_deref())?;
+        app.remember_in(model::keep::state_folder());
+        Ok(Box::new(app))
     };
     eframe::run_native("Tenon", options, Box::new(app))
 }

@@ -2,6 +2,10 @@
 
 use crate::common::{Window, folder, graph, root};
 use eframe::egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
+use tenon_engine::Operation;
+
+const SMALL: &str = "{\n  \"format\": \"tenon\",\n  \"nodes\": {\n    \"a\": {\n      \"params\": {\n        \"value\": 3\n      },\n      \"type\": \"number\",\n      \"v\": 1\n    }\n  },\n  \"version\": 1\n}\n";
 
 #[test]
 fn a_graph_is_saved_as_it_was_and_its_layout_beside_it() {
@@ -32,4 +36,73 @@ fn a_file_that_is_no_graph_leaves_everything_as_it_was() {
     assert!(message.contains("was not opened") && message.contains("line 1"), "{message}");
     assert_eq!(std::fs::read_to_string(&bad).unwrap(), "{ \"format\": \"tenon\", ");
     assert_eq!(w.app().model.path(), None, "what could not be read is never written over");
+}
+
+/// Shows frames until something is so; at most a minute.
+fn until(w: &mut Window, mut so: impl FnMut(&mut Window) -> bool) {
+    let start = std::time::Instant::now();
+    while !so(w) {
+        assert!(start.elapsed().as_secs() < 60, "it never came to be");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        w.steps(1);
+    }
+}
+
+#[test]
+fn work_that_was_not_saved_is_found_again() {
+    let path = graph("kept", SMALL);
+    let kept = path.with_file_name(".graph.tenon.json.unsaved");
+    let mut w = Window::open(Some(&path));
+    let set = |w: &mut Window, value: i32| {
+        let set = Operation::SetParam { node: "a".into(), port: "value".into(), value: Some(value.into()) };
+        assert!(w.app().model.edit(set));
+    };
+    set(&mut w, 7);
+    until(&mut w, |_| kept.exists());
+    // The window goes without a word, as when it is killed.
+    drop(w);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), SMALL, "the graph's own file is as it was");
+
+    let mut w = Window::open(Some(&path));
+    assert_eq!(w.param("a", "value"), "3");
+    w.click(w.rect("Recover it").center());
+    assert_eq!(w.param("a", "value"), "7");
+    assert!(w.app().model.unsaved());
+    w.key(Modifiers::COMMAND, Key::S);
+    assert!(!kept.exists() && std::fs::read_to_string(&path).unwrap().contains("\"value\": 7"));
+
+    // What was done and undone leaves nothing behind.
+    set(&mut w, 8);
+    until(&mut w, |_| kept.exists());
+    w.key(Modifiers::COMMAND, Key::Z);
+    until(&mut w, |_| !kept.exists());
+}
+
+#[test]
+fn a_change_by_another_program_is_a_step_that_can_be_undone() {
+    let path = graph("elsewhere", SMALL);
+    let mut w = Window::open(Some(&path));
+    std::fs::write(&path, SMALL.replace("\"value\": 3", "\"value\": 44")).unwrap();
+    until(&mut w, |w| w.param("a", "value") == "44");
+    assert!(!w.app().model.unsaved());
+    assert_eq!(w.app().model.steps(), (1, 0));
+    // With changes on both sides nothing is taken, and it is told.
+    w.key(Modifiers::COMMAND, Key::Z);
+    std::fs::write(&path, SMALL.replace("\"value\": 3", "\"value\": 5555")).unwrap();
+    until(&mut w, |w| w.app().model.message.as_ref().is_some_and(|m| m.code == "changed-elsewhere"));
+    assert_eq!(w.param("a", "value"), "3");
+}
+
+#[test]
+fn graphs_that_were_opened_are_remembered() {
+    let state = folder("state");
+    let path = graph("recent", SMALL);
+    let mut w = Window::open(Some(&path));
+    w.app().remember_in(Some(state.clone()));
+    assert_eq!(w.app().model.recent(), [path.canonicalize().unwrap()]);
+    w.click(w.rect("File").center());
+    let new = w.harness.get_by_label_contains("New").rect();
+    w.click(new.center());
+    assert_eq!(w.app().model.path(), None);
+    assert_eq!(w.app().model.recent().len(), 1);
 }

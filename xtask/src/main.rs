@@ -15,6 +15,7 @@ const USAGE: &str = "\
 cargo xtask bench chain [CASE]...   measure the chain; one JSON line per figure (docs/benchmarks.md)
 cargo xtask bench engine [NODES]... the engine beside its peers, at these sizes or at all
 cargo xtask bench cancel [CASE]...  how long jobs go on after they were told to stop; FILE.obj is planarized
+cargo xtask bench editor            what the editor's window costs, without a screen
 cargo xtask docs [--check]          write docs/nodes.md from the registry, or only compare
 cargo xtask picture                  draw docs/shell-256.svg from graphs/shell-256
 cargo xtask screenshots              draw the pictures of the editor in docs/";
@@ -28,7 +29,10 @@ fn main() -> ExitCode {
         ["bench", "cancel", cases @ ..] => bench::cancel::run(cases),
         ["bench-child", rest @ ..] => bench::chain::child(rest),
         ["picture"] => picture::write(),
-        ["screenshots"] => screenshots(),
+        ["screenshots"] => {
+            editor(&["test", "-p", "tenon-editor", "--test", "main", "--", "--ignored", "pictures_of_the_book"])
+        }
+        ["bench", "editor"] => editor(&["bench", "-p", "tenon-editor", "--bench", "editor"]),
         ["docs"] => docs::write(),
         ["docs", "--check"] => docs::check(),
         _ => Err(USAGE.to_owned()),
@@ -42,13 +46,11 @@ fn main() -> ExitCode {
     }
 }
 
-/// The editor's own tests draw them, so that nothing here depends on it.
-fn screenshots() -> Result<(), String> {
-    let arguments = ["test", "-p", "tenon-editor", "--test", "main", "--", "--ignored", "pictures_of_the_book"];
-    let status = std::process::Command::new("cargo").args(arguments).current_dir(root()).status();
-    match status {
+/// Lets cargo do something with the editor, so that nothing here depends on it: its window takes minutes to build.
+fn editor(arguments: &[&str]) -> Result<(), String> {
+    match std::process::Command::new("cargo").args(arguments).current_dir(root()).status() {
         Ok(status) if status.success() => Ok(()),
-        Ok(status) => Err(format!("the editor's pictures were not drawn: {status}")),
+        Ok(status) => Err(format!("cargo {}: {status}", arguments.join(" "))),
         Err(e) => Err(format!("cargo cannot be called: {e}")),
     }
 }

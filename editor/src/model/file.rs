@@ -76,6 +76,24 @@ pub fn load(path: &Path) -> Result<(Document, Vec<Diagnostic>), Vec<Diagnostic>>
     Ok((document, told))
 }
 
+/// Writes a file under another name and gives it its name; makes its folder. Whatever happens to this program, there is a
+/// whole file; if the machine loses power, perhaps an old one.
+///
+/// # Errors
+/// Those of the system; then the file is as it was.
+pub fn write_quickly(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    let name = path.file_name().and_then(|n| n.to_str()).unwrap_or("kept");
+    let temporary = path.with_file_name(format!(".{name}-{}.tmp", std::process::id()));
+    let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, path));
+    if written.is_err() {
+        let _ = fs::remove_file(&temporary);
+    }
+    written
+}
+
 /// Writes a file under another name, syncs it and gives it its name, so that there is always a whole one.
 ///
 /// # Errors

@@ -6,6 +6,7 @@ pub mod catalog;
 pub mod cut;
 pub mod file;
 pub mod handle;
+pub mod keep;
 pub mod param;
 pub mod results;
 pub mod worker;
@@ -40,6 +41,9 @@ pub struct Model {
     saved: (String, String),
     /// The revision that `unsaved` was found for, and what was found.
     compared: (u64, bool),
+    keeper: keep::Keeper,
+    /// Where unsaved work without a file and the list of recent graphs are kept; none: nowhere.
+    pub state: Option<PathBuf>,
     /// What went wrong last, for people.
     pub message: Option<Diagnostic>,
 }
@@ -65,6 +69,8 @@ impl Model {
             revision: 0,
             saved: (String::new(), String::new()),
             compared: (0, false),
+            keeper: keep::Keeper::default(),
+            state: None,
             message: None,
         };
         model.take(Document::new(), None);
@@ -98,6 +104,7 @@ impl Model {
         let (document, told) = file::load(&path)?;
         self.message = told.into_iter().next();
         self.take(document, Some(path));
+        self.remember();
         Ok(())
     }
 
@@ -127,6 +134,7 @@ impl Model {
         self.worker.open(self.document.clone(), host);
         self.shown = Vec::new();
         self.show();
+        self.note_file();
     }
 
     /// Writes the graph and its layout; to `path` from now on, if one is given.
@@ -143,10 +151,13 @@ impl Model {
             file::write_whole(path, text.as_bytes())
                 .map_err(|e| Diagnostic::error("unwritable", format!("{} cannot be written: {e}", path.display())))?;
         }
+        self.forget_kept();
         let moved = self.path.as_deref().and_then(Path::parent) != path.parent();
         self.saved = texts;
         self.compared = (self.revision, false);
         self.path = Some(path.clone());
+        self.note_file();
+        self.remember();
         if moved {
             // Files that nodes name lie elsewhere now.
             let folder = path.parent().map(Path::to_owned).unwrap_or_default();
@@ -388,10 +399,7 @@ impl Model {
     /// # Errors
     /// If the text is no graph, or what it says is refused.
     pub fn paste(&mut self, text: &str, offset: [f64; 2]) -> Result<(), Diagnostic> {
-        let (graph, layout) = match text.rfind("{\n  \"format\": \"tenon-layout\"") {
-            Some(at) => text.split_at(at),
-            None => (text, ""),
-        };
+        let (graph, layout) = split_layout(text);
         let mut fragment = Document::from_slice(graph.as_bytes()).map_err(|all| {
             let first = all.into_iter().next().map_or_else(String::new, |d| d.message);
             Diagnostic::error("no-graph", format!("what was copied is no graph: {first}"))
@@ -459,5 +467,13 @@ impl Model {
     #[must_use]
     pub fn params(&self, id: &str) -> Option<&Fields<tenon_engine::Json>> {
         self.document.nodes().get(id).map(|n| &n.params)
+    }
+}
+
+/// A graph's text and its layout's, which may follow it in one text.
+fn split_layout(text: &str) -> (&str, &str) {
+    match text.rfind("{\n  \"format\": \"tenon-layout\"") {
+        Some(at) => text.split_at(at),
+        None => (text, ""),
     }
 }

@@ -109,7 +109,8 @@ fn edit(
                 let step = if s.integer { 1.0 } else { param::round_step((s.max - s.min) / 200.0) };
                 let slider = Slider::new(&mut value, s.min..=s.max).step_by(step).suffix(&unit);
                 // Only a hand may change a value: by itself a slider would round it.
-                let response = ui.add(slider.clamping(SliderClamping::Edits));
+                let response =
+                    ui.add(if s.integer { slider.integer() } else { slider }.clamping(SliderClamping::Edits));
                 step_around(model, &response);
                 if response.changed()
                     && value != s.value

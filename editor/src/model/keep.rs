@@ -1,0 +1,188 @@
+//! No work is lost: what is not saved is kept in a file beside the graph, a second after it was done, until it is saved or
+//! given up. And the other way round: a graph that another program has written is taken as a step.
+
+use super::Model;
+use super::file::{ENDING, write_quickly};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime};
+use tenon_engine::{Diagnostic, Document, Operation};
+
+/// How often unsaved work is written, and files are looked at.
+const EVERY: Duration = Duration::from_millis(900);
+
+/// Most graphs that are remembered.
+const RECENT: usize = 12;
+
+/// What is kept of unsaved work, and what is known of the graph's file.
+#[derive(Default)]
+pub struct Keeper {
+    /// The revision that was written last.
+    written: Option<u64>,
+    /// When it was, or files were looked at.
+    last: Option<Instant>,
+    /// Time and length of the graph's file when it was read or written.
+    stamp: Option<(SystemTime, u64)>,
+    /// It was told that work cannot be kept.
+    told: bool,
+}
+
+fn stamp(path: &Path) -> Option<(SystemTime, u64)> {
+    let data = fs::metadata(path).ok()?;
+    Some((data.modified().ok()?, data.len()))
+}
+
+/// Where a desktop program keeps what it must remember: `$XDG_STATE_HOME/tenon`, by default `~/.local/state/tenon`.
+#[must_use]
+pub fn state_folder() -> Option<PathBuf> {
+    let set = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from).filter(|p| p.is_absolute());
+    let home = || std::env::var_os("HOME").map(|h| PathBuf::from(h).join(".local/state"));
+    Some(set.or_else(home)?.join("tenon"))
+}
+
+impl Model {
+    /// The file that unsaved work is kept in; none for a graph without a file where there is no state folder.
+    #[must_use]
+    pub fn kept_path(&self) -> Option<PathBuf> {
+        match self.path() {
+            Some(path) => {
+                let name = path.file_name()?.to_str()?;
+                Some(path.with_file_name(format!(".{name}.unsaved")))
+            }
+            None => Some(self.state.as_ref()?.join(format!("unsaved{ENDING}"))),
+        }
+    }
+
+    /// The text of unsaved work that an earlier window has left behind.
+    #[must_use]
+    pub fn left_behind(&self) -> Option<String> {
+        if self.keeper.written.is_some() {
+            return None;
+        }
+        let text = fs::read_to_string(self.kept_path()?).ok()?;
+        (!text.trim().is_empty()).then_some(text)
+    }
+
+    /// Takes the work that was left behind, to be saved or undone.
+    ///
+    /// # Errors
+    /// If there is none, or it cannot be read.
+    pub fn recover(&mut self) -> Result<(), Diagnostic> {
+        let text = self.left_behind().ok_or_else(|| Diagnostic::error("nothing-kept", "no work was left behind"))?;
+        let (graph, layout) = super::split_layout(&text);
+        let mut document = Document::from_slice(graph.as_bytes())
+            .map_err(|all| all.into_iter().next().unwrap_or_else(|| Diagnostic::error("no-graph", "it is no graph")))?;
+        if !layout.is_empty() {
+            document.read_layout(layout.as_bytes())?;
+        }
+        self.become_like(document)
+    }
+
+    /// Makes the document what another is, as one step.
+    fn become_like(&mut self, mut document: Document) -> Result<(), Diagnostic> {
+        document.migrate(&self.registry);
+        let steps = self.document.diff(&document);
+        if !steps.is_empty() {
+            self.apply(Operation::All(steps))?;
+        }
+        Ok(())
+    }
+
+    /// Gives up what is kept of unsaved work, because it was saved or is not wanted.
+    pub fn forget_kept(&mut self) {
+        if let Some(path) = self.kept_path() {
+            // If it is not there, nothing is to be forgotten.
+            let _ = fs::remove_file(path);
+        }
+        self.keeper.written = None;
+    }
+
+    /// Notes how the graph's file is now, after reading or writing it.
+    pub(super) fn note_file(&mut self) {
+        self.keeper = Keeper { stamp: self.path().and_then(stamp), ..Keeper::default() };
+    }
+
+    /// Keeps unsaved work and looks whether the graph's file was changed elsewhere; to be called every frame. Gives when
+    /// it wants to be called again, if nothing else happens.
+    pub fn keep(&mut self) -> Option<Duration> {
+        let unsaved = self.unsaved();
+        let soon = self.path().is_some().then_some(2 * EVERY);
+        if !unsaved && self.keeper.written.is_some() {
+            self.forget_kept();
+        }
+        let due = self.keeper.last.is_none_or(|last| last.elapsed() >= EVERY);
+        if !due {
+            return if unsaved { Some(EVERY) } else { soon };
+        }
+        self.keeper.last = Some(Instant::now());
+        self.look_at_file(unsaved);
+        if unsaved && self.keeper.written != Some(self.revision()) && self.left_behind().is_none() {
+            self.write_kept();
+        }
+        if unsaved { Some(EVERY) } else { soon }
+    }
+
+    fn write_kept(&mut self) {
+        let Some(path) = self.kept_path() else { return };
+        let text = self.document.to_string_canonical() + &self.document.layout_to_string();
+        match write_quickly(&path, text.as_bytes()) {
+            Ok(()) => self.keeper.written = Some(self.revision()),
+            Err(e) if !self.keeper.told => {
+                let message = format!("unsaved work cannot be kept in {}: {e}", path.display());
+                self.message = Some(Diagnostic::error("unwritable", message).hint("save often, or elsewhere"));
+                self.keeper.told = true;
+            }
+            Err(_) => {}
+        }
+    }
+
+    fn look_at_file(&mut self, unsaved: bool) {
+        let Some(path) = self.path().map(Path::to_owned) else { return };
+        let now = stamp(&path);
+        if now == self.keeper.stamp || now.is_none() {
+            return;
+        }
+        self.keeper.stamp = now;
+        let Ok((document, _)) = super::file::load(&path) else { return };
+        let text = document.to_string_canonical_for(&self.registry);
+        if text == self.saved.0 {
+            return;
+        }
+        if unsaved {
+            let message = format!("{} was changed by another program, and here too", path.display());
+            self.message =
+                Some(Diagnostic::error("changed-elsewhere", message).hint("saving writes over the other change"));
+            return;
+        }
+        let mut document = document;
+        for (id, place) in self.document.nodes().keys().filter_map(|id| Some((id, self.document.position(id)?))) {
+            // Nodes that are gone there have no place any more.
+            let _ = Operation::Move { node: id.clone(), to: Some(place) }.apply(&mut document);
+        }
+        self.message = match self.become_like(document) {
+            Ok(()) => {
+                self.saved.0 = text;
+                self.compared.0 = self.revision.wrapping_sub(1);
+                None
+            }
+            Err(refused) => Some(refused),
+        };
+    }
+
+    /// Graphs that were opened before, the last one first.
+    #[must_use]
+    pub fn recent(&self) -> Vec<PathBuf> {
+        let text = self.state.as_ref().and_then(|s| fs::read_to_string(s.join("recent")).ok()).unwrap_or_default();
+        text.lines().map(PathBuf::from).filter(|p| p.exists()).collect()
+    }
+
+    /// Remembers the graph that is open as the last one.
+    pub fn remember(&self) {
+        let (Some(state), Some(path)) = (&self.state, self.path().and_then(|p| p.canonicalize().ok())) else { return };
+        let others = self.recent().into_iter().filter(|p| *p != path);
+        let all: Vec<String> =
+            std::iter::once(path.clone()).chain(others).take(RECENT).map(|p| p.display().to_string()).collect();
+        // It is no more than a convenience.
+        let _ = write_quickly(&state.join("recent"), all.join("\n").as_bytes());
+    }
+}
