@@ -14,7 +14,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
-use tenon_engine::{Diagnostic, Document, Happened, Json, Live, NodeReport, Options, Severity, Snapshot};
+use tenon_engine::{Diagnostic, Document, Happened, Json, Live, NodeReport, NodeReports, Options, Severity, Snapshot};
 
 /// How often files are looked at.
 const PAUSE: Duration = Duration::from_millis(100);
@@ -127,21 +127,21 @@ fn tell(live: &Live, snapshot: &Snapshot, graph: &Path, args: &WatchArgs, voice:
 }
 
 /// The nodes that ran, the slowest first.
-fn ran(nodes: &[NodeReport]) -> Vec<String> {
-    let mut ran: Vec<&NodeReport> =
+fn ran(nodes: &NodeReports) -> Vec<String> {
+    let mut ran: Vec<NodeReport<'_>> =
         nodes.iter().filter(|n| matches!(n.happened, Happened::Executed | Happened::Failed)).collect();
-    ran.sort_by(|a, b| b.time.cmp(&a.time).then_with(|| a.id.cmp(&b.id)));
+    ran.sort_by(|a, b| b.time.cmp(&a.time).then_with(|| a.id.cmp(b.id)));
     let more = ran.len().saturating_sub(NAMED);
-    let line = |n: &&NodeReport| format!("{:>10}  {} {}", seconds(n.time), n.happened.as_str(), n.id);
+    let line = |n: &NodeReport<'_>| format!("{:>10}  {} {}", seconds(n.time), n.happened.as_str(), n.id);
     let mut lines: Vec<String> = ran.iter().take(NAMED).map(line).collect();
     lines.extend((more > 0).then(|| format!("            and {more} more that took less")));
     lines
 }
 
 /// "3 executed, 5 memo".
-fn counts(nodes: &[NodeReport]) -> String {
+fn counts(nodes: &NodeReports) -> String {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for node in nodes {
+    for node in nodes.iter() {
         *counts.entry(node.happened.as_str()).or_default() += 1;
     }
     let counts: Vec<String> = counts.iter().map(|(what, n)| format!("{n} {what}")).collect();

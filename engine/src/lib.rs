@@ -22,7 +22,7 @@ pub use document::{
     NodeState, Operation, OuterWires, Paste, Table, TreeOp, Wires,
 };
 pub use evaluate::matching::Matching;
-pub use evaluate::report::{Control, Event, Happened, NodeReport, Progress, Report};
+pub use evaluate::report::{Control, Event, Events, Happened, NodeReport, NodeReports, Progress, Report};
 pub use evaluate::session::{Host, NoHost, Options, Session};
 pub use expect::{Expectations, Outcome, Tolerance};
 pub use expression::{Dimension, Expression, ExpressionError, ExpressionFault, Quantity};

@@ -49,15 +49,17 @@ pub(crate) struct PlanNode {
     pub matching: Matching,
     pub state: NodeState,
     pub has_files: bool,
-    /// Some static error keeps it from running.
+    /// No static error keeps it from running.
     sound: bool,
 }
 
 /// A document made ready to run.
 pub(crate) struct Plan {
-    pub ids: Vec<Arc<str>>,
+    pub ids: Arc<Vec<Arc<str>>>,
     pub nodes: Vec<PlanNode>,
     pub types: Vec<Arc<NodeType>>,
+    /// Their names.
+    pub type_names: Arc<Vec<Arc<str>>>,
     slots: Vec<Slot>,
     /// Output slot that each wire comes from.
     wires: Vec<u32>,
@@ -85,9 +87,10 @@ impl Plan {
     pub fn compile(document: &Document, registry: &Registry) -> Self {
         let flat = Flat::expand(document);
         let mut plan = Self {
-            ids: flat.nodes.iter().map(|node| Arc::from(&*node.path)).collect(),
+            ids: Arc::new(flat.nodes.iter().map(|node| Arc::from(&*node.path)).collect()),
             nodes: Vec::with_capacity(flat.nodes.len()),
             types: Vec::new(),
+            type_names: Arc::default(),
             slots: Vec::new(),
             wires: Vec::new(),
             output_node: Vec::new(),
@@ -104,6 +107,7 @@ impl Plan {
         plan.place_nodes(&flat, registry);
         plan.connect(&flat, registry);
         flat.finish(&mut plan);
+        plan.type_names = Arc::new(plan.types.iter().map(|t| t.type_name.clone()).collect());
         plan.order();
         plan.compute_formulas(document);
         plan.check_interface(document);

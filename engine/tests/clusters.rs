@@ -61,6 +61,12 @@ fn equal_instances_compute_once() {
     assert_eq!(log(&mut s), "memo y/add, memo y/root, memo y/floor");
     evaluate(&mut s, &["z.whole"]);
     assert_eq!(log(&mut s), "executed z/add, executed z/root, executed z/floor");
+
+    // Also when they are ready at the same moment, where neither can find the other's result beforehand.
+    s.set("x.a", json!(18)).unwrap();
+    s.set("y.a", json!(18)).unwrap();
+    evaluate(&mut s, &["x.root", "y.root"]);
+    assert_eq!(log(&mut s), "executed x/add, memo y/add, executed x/root, memo y/root");
 }
 
 #[test]

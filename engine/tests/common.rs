@@ -148,7 +148,7 @@ pub fn items(s: &Session, name: &str) -> Json {
 
 /// The log as text, one event after another.
 pub fn log(s: &mut Session) -> String {
-    s.take_events().iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+    s.take_events().iter().map(|event| event.to_string()).collect::<Vec<_>>().join(", ")
 }
 
 pub fn lines(report: &Report) -> Vec<String> {

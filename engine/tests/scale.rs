@@ -54,7 +54,7 @@ fn wide_graphs_give_the_same_on_one_and_many_threads() {
         }
         let mut s = Session::new(registry(), document, Options { threads, ..Options::default() });
         let report = evaluate(&mut s, &[]);
-        let nodes: Vec<_> = report.nodes.iter().map(|n| (n.id.clone(), n.happened, n.digest)).collect();
+        let nodes: Vec<_> = report.nodes.iter().map(|n| (n.id.to_owned(), n.happened, n.digest)).collect();
         (nodes, lines(&report), log(&mut s))
     };
     let one = digests(1);

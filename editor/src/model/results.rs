@@ -65,7 +65,7 @@ impl Results {
             Stage::Shown => self.shown_in = done.report.elapsed,
             Stage::All => self.elapsed = done.report.elapsed,
         }
-        for n in &done.report.nodes {
+        for n in done.report.nodes.iter() {
             let entry = self.nodes.entry(n.id.to_string());
             let node = entry.or_insert(NodeResult { happened: n.happened, time: n.time, bytes: n.bytes });
             // A node that did not run again keeps the time that it took when it did.

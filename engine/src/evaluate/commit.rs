@@ -3,17 +3,16 @@
 
 use super::gather::Files;
 use super::matching::Outcome;
-use super::report::{Event, Happened, NodeReport};
+use super::report::{Event, Happened, Row};
 use super::session::{NodeRun, Session, Status};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::document::model::NodeState;
 use crate::value::Tree;
 use std::collections::BTreeSet;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Up to this many bytes the results of cheap nodes are not remembered.
-const SMALL: usize = 512;
+pub(super) const SMALL: usize = 512;
 
 /// One evaluation under way.
 pub(crate) struct Evaluation {
@@ -21,21 +20,20 @@ pub(crate) struct Evaluation {
     pub undo: Vec<(u32, NodeRun)>,
     /// And what came out of them, in the same order.
     pub undo_outputs: Vec<(Option<Tree>, u128)>,
-    pub reports: Vec<NodeReport>,
+    pub reports: Vec<Row>,
     pub files: Files,
     /// Length of the event log before.
     pub log: usize,
     /// When the last node was done.
     pub clock: Instant,
+    /// The reports before this one have their times.
+    pub settled: usize,
 }
 
 impl Session {
     pub(super) fn commit(&mut self, n: u32, key: u128, mut outcome: Outcome, time: Duration, e: &mut Evaluation) {
         let i = n as usize;
-        let t = self.plan.nodes[i].node_type as usize;
-        let nanoseconds = time.as_nanos() as f64;
-        self.costs[t] =
-            if self.costs[t] > 0.0 { 0.7 * self.costs[t] + 0.3 * nanoseconds } else { nanoseconds.max(1.0) };
+        self.learn(self.plan.nodes[i].node_type, time);
         if outcome.cancelled && !outcome.failed {
             outcome.failed = true;
             outcome.outputs.clear();
@@ -44,15 +42,16 @@ impl Session {
             outcome.reports.push((Severity::Error, fail));
         }
         let reports: super::cache::Reports = (!outcome.reports.is_empty()).then(|| outcome.reports.into());
-        let outputs = outcome.outputs.into_boxed_slice();
-        let id = self.plan.ids[i].clone();
+        let outputs = outcome.outputs.into_vec().into_boxed_slice();
         let status = if outcome.failed { Status::Failed } else { Status::Good };
-        self.events.push(if outcome.failed { Event::Failed(id.clone()) } else { Event::Executed(id.clone()) });
+        self.events.push(if outcome.failed { Event::Failed(n) } else { Event::Executed(n) });
         let run = NodeRun { key, reports: reports.clone(), status, blocked_by: n, ..NodeRun::default() };
         if !self.publish(n, run, &outputs, e) {
-            self.events.push(Event::CutOff(id));
+            self.events.push(Event::CutOff(n));
         }
         if !outcome.panicked && !self.is_cheap(i) {
+            let t = self.plan.nodes[i].node_type as usize;
+            self.remembered[t] = true;
             self.memo.put(key, outputs, reports, outcome.failed, time.as_nanos() as u64);
         }
         self.note(n, if outcome.failed { Happened::Failed } else { Happened::Executed }, time, e);
@@ -63,9 +62,15 @@ impl Session {
     pub(super) fn keep(&mut self, key: u128, outcome: Outcome, time: Duration) {
         if !outcome.cancelled && !outcome.panicked {
             let reports: super::cache::Reports = (!outcome.reports.is_empty()).then(|| outcome.reports.into());
-            let outputs = outcome.outputs.into_boxed_slice();
+            let outputs = outcome.outputs.into_vec().into_boxed_slice();
             self.memo.put(key, outputs, reports, outcome.failed, time.as_nanos() as u64);
         }
+    }
+
+    /// Learns how long nodes of a type take.
+    pub(super) fn learn(&mut self, node_type: u32, time: Duration) {
+        let (cost, now) = (&mut self.costs[node_type as usize], time.as_nanos() as f64);
+        *cost = if *cost > 0.0 { 0.7 * *cost + 0.3 * now } else { now.max(1.0) };
     }
 
     /// Small results of a node that costs less than remembering them; of those in place.
@@ -79,12 +84,12 @@ impl Session {
         self.publish_each(n, run, |o| outputs.get(o).cloned(), e)
     }
 
-    /// As [`Session::publish`], with nothing at some outputs.
+    /// As [`Session::publish`], with nothing at some outputs; they are asked for in order.
     pub(super) fn publish_each(
         &mut self,
         n: u32,
         mut run: NodeRun,
-        output: impl Fn(usize) -> Option<Tree>,
+        mut output: impl FnMut(usize) -> Option<Tree>,
         e: &mut Evaluation,
     ) -> bool {
         let i = n as usize;
@@ -135,9 +140,9 @@ impl Session {
                 if many.iter().any(Option::is_some) { d.finish() } else { 0 }
             }
         };
-        let type_name = self.plan.node_type(i).map_or_else(|| Arc::from("?"), |t| t.type_name.clone());
+        let node_type = self.plan.nodes[i].node_type;
         let bytes = outputs.iter().flatten().map(Tree::bytes).sum();
-        e.reports.push(NodeReport { id: self.plan.ids[i].clone(), type_name, happened, time, bytes, digest });
+        e.reports.push(Row { node: n, node_type, happened, time, bytes, digest });
     }
 
     /// Restores everything that this evaluation changed; what it computed stays remembered.
@@ -190,7 +195,7 @@ impl Session {
             self.nodes[i].wanted = false;
             let node = &self.plan.nodes[i];
             self.values[node.outputs as usize..(node.outputs + node.output_count) as usize].fill(None);
-            self.events.push(Event::Evicted(self.plan.ids[i].clone()));
+            self.events.push(Event::Evicted(i as u32));
         }
     }
 

@@ -8,6 +8,7 @@ use crate::port::{Access, Port};
 use crate::registry::NodeType;
 use crate::value::{Column, Path, Tree};
 use rayon::prelude::*;
+use smallvec::SmallVec;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -79,7 +80,7 @@ pub(crate) struct Input<'a> {
 
 /// What a node's run came to.
 pub(crate) struct Outcome {
-    pub outputs: Vec<Tree>,
+    pub outputs: SmallVec<[Tree; 1]>,
     pub reports: Vec<(Severity, Fail)>,
     /// No lane gave anything.
     pub failed: bool,
@@ -90,7 +91,7 @@ pub(crate) struct Outcome {
 
 impl Outcome {
     pub fn failure(reports: Vec<(Severity, Fail)>) -> Self {
-        Self { outputs: Vec::new(), reports, failed: true, cancelled: false, panicked: false }
+        Self { outputs: SmallVec::new(), reports, failed: true, cancelled: false, panicked: false }
     }
 }
 
@@ -220,7 +221,7 @@ fn finish_alone(
 ) -> Outcome {
     reports.extend(lot.reports);
     let mut failed = lot.good == 0 && (lot.bad > 0 || !reports.is_empty());
-    let mut outputs = Vec::new();
+    let mut outputs = SmallVec::new();
     if !failed && !lot.cancelled {
         outputs.reserve_exact(node_type.outputs.len());
         for (output, port) in set.zip(&node_type.outputs) {
@@ -484,7 +485,7 @@ fn gather(
     }
     let failed = good == 0 && (bad > 0 || !reports.is_empty());
     if failed || cancelled {
-        return Outcome { outputs: Vec::new(), reports, failed, cancelled, panicked };
+        return Outcome { outputs: SmallVec::new(), reports, failed, cancelled, panicked };
     }
     let outputs = parts.into_iter().map(Tree::from_branches).collect();
     Outcome { outputs, reports, failed, cancelled, panicked }

@@ -8,6 +8,7 @@ pub(crate) mod matching;
 pub(crate) mod meter;
 pub(crate) mod output;
 pub(crate) mod queue;
+mod quick;
 pub(crate) mod report;
 pub(crate) mod run;
 pub(crate) mod session;

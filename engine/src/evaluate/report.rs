@@ -62,26 +62,40 @@ impl Happened {
     }
 }
 
-/// One line of the log. Nodes by id.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Event {
+/// One line of the log; nodes by id, inside the engine by number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event<N> {
     /// The node ran.
-    Executed(Arc<str>),
+    Executed(N),
     /// Its result was remembered.
-    MemoHit(Arc<str>),
+    MemoHit(N),
     /// Nothing that depends on it needs to run: its inputs or its outputs are the same as before.
-    CutOff(Arc<str>),
+    CutOff(N),
     /// It failed.
-    Failed(Arc<str>),
+    Failed(N),
     /// It is blocked by the second node.
-    Blocked(Arc<str>, Arc<str>),
+    Blocked(N, N),
     /// Its outputs were dropped from memory; their digests stay.
-    Evicted(Arc<str>),
+    Evicted(N),
     /// The evaluation was cancelled; nothing of it stands.
     Cancelled,
 }
 
-impl std::fmt::Display for Event {
+impl<N> Event<N> {
+    fn map<M>(self, f: impl Fn(N) -> M) -> Event<M> {
+        match self {
+            Self::Executed(n) => Event::Executed(f(n)),
+            Self::MemoHit(n) => Event::MemoHit(f(n)),
+            Self::CutOff(n) => Event::CutOff(f(n)),
+            Self::Failed(n) => Event::Failed(f(n)),
+            Self::Blocked(n, by) => Event::Blocked(f(n), f(by)),
+            Self::Evicted(n) => Event::Evicted(f(n)),
+            Self::Cancelled => Event::Cancelled,
+        }
+    }
+}
+
+impl<N: std::fmt::Display> std::fmt::Display for Event<N> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Executed(n) => write!(f, "executed {n}"),
@@ -95,21 +109,140 @@ impl std::fmt::Display for Event {
     }
 }
 
+/// Ids by node number, as a plan numbers them.
+pub(crate) type Ids = Arc<Vec<Arc<str>>>;
+
+/// A log of events: a few bytes each, whatever the nodes are called.
+#[derive(Clone, Debug, Default)]
+pub struct Events {
+    /// What was logged before the document was exchanged, with the ids of then.
+    past: Vec<(Ids, Vec<Event<u32>>)>,
+    ids: Ids,
+    now: Vec<Event<u32>>,
+}
+
+impl Events {
+    pub(crate) fn new(ids: Ids) -> Self {
+        Self { past: Vec::new(), ids, now: Vec::new() }
+    }
+
+    pub(crate) fn push(&mut self, event: Event<u32>) {
+        self.now.push(event);
+    }
+
+    /// From now on nodes have other numbers.
+    pub(crate) fn renumber(&mut self, ids: Ids) {
+        let old = std::mem::replace(&mut self.ids, ids);
+        if !self.now.is_empty() {
+            self.past.push((old, std::mem::take(&mut self.now)));
+        }
+    }
+
+    /// Takes everything; the ids stay.
+    pub(crate) fn take(&mut self) -> Self {
+        let ids = self.ids.clone();
+        // As much room as before: the next evaluation is likely to be of the same size.
+        let now = Vec::with_capacity(self.now.len());
+        std::mem::replace(self, Self { past: Vec::new(), ids, now })
+    }
+
+    /// How much was logged since the document was exchanged.
+    pub(crate) fn mark(&self) -> usize {
+        self.now.len()
+    }
+
+    pub(crate) fn truncate(&mut self, mark: usize) {
+        self.now.truncate(mark);
+    }
+
+    /// The events in order.
+    pub fn iter(&self) -> impl Iterator<Item = Event<&str>> {
+        let past = self.past.iter().map(|(ids, events)| (ids, events));
+        past.chain([(&self.ids, &self.now)]).flat_map(|(ids, events)| {
+            events.iter().map(move |event| event.map(|n| ids.get(n as usize).map_or("", |id| id)))
+        })
+    }
+
+    /// Number of events.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.now.len() + self.past.iter().map(|(_, events)| events.len()).sum::<usize>()
+    }
+
+    /// True if nothing happened.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// The same happened to the same nodes in the same order.
+impl PartialEq for Events {
+    fn eq(&self, other: &Self) -> bool {
+        self.len() == other.len() && self.iter().eq(other.iter())
+    }
+}
+
 /// One node in a report.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NodeReport {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeReport<'a> {
     /// Its id.
-    pub id: Arc<str>,
+    pub id: &'a str,
     /// Its node type.
-    pub type_name: Arc<str>,
+    pub type_name: &'a str,
     /// What happened to it.
     pub happened: Happened,
-    /// Time it ran.
+    /// Time it ran. Of cheap nodes that ran one after another each has the mean: reading the clock takes as long as they do.
     pub time: Duration,
     /// Bytes of its outputs.
     pub bytes: usize,
     /// Digest of its outputs; 0 without.
     pub digest: u128,
+}
+
+/// What a report keeps of a node.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Row {
+    pub node: u32,
+    pub node_type: u32,
+    pub happened: Happened,
+    pub time: Duration,
+    pub bytes: usize,
+    pub digest: u128,
+}
+
+/// The nodes of a report, in order of evaluation.
+#[derive(Clone, Debug, Default)]
+pub struct NodeReports {
+    pub(crate) ids: Ids,
+    pub(crate) types: Ids,
+    pub(crate) rows: Vec<Row>,
+}
+
+impl NodeReports {
+    /// The nodes in order of evaluation.
+    pub fn iter(&self) -> impl Iterator<Item = NodeReport<'_>> {
+        self.rows.iter().map(|row| NodeReport {
+            id: self.ids.get(row.node as usize).map_or("", |id| id),
+            type_name: self.types.get(row.node_type as usize).map_or("?", |name| name),
+            happened: row.happened,
+            time: row.time,
+            bytes: row.bytes,
+            digest: row.digest,
+        })
+    }
+
+    /// Number of nodes.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// True if no node was looked at.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
 }
 
 /// What an evaluation came to.
@@ -118,7 +251,7 @@ pub struct Report {
     /// Everything wrong with what was asked for, also from nodes that did not run again.
     pub diagnostics: Vec<Diagnostic>,
     /// The nodes that were looked at, in order of evaluation; nodes that nothing has reached are not here.
-    pub nodes: Vec<NodeReport>,
+    pub nodes: NodeReports,
     /// It was cancelled and published nothing.
     pub cancelled: bool,
     /// Time it took.
@@ -134,8 +267,8 @@ impl Report {
 
     /// The node of that id, if it was looked at.
     #[must_use]
-    pub fn node(&self, id: &str) -> Option<&NodeReport> {
-        self.nodes.iter().find(|n| &*n.id == id)
+    pub fn node(&self, id: &str) -> Option<NodeReport<'_>> {
+        self.nodes.iter().find(|n| n.id == id)
     }
 
     /// `{"cancelled", "elapsed_ms", "diagnostics": [...], "nodes": [{"id", "type", "happened", "time_ms", "bytes", "digest"}]}`.
@@ -147,8 +280,8 @@ impl Report {
             .iter()
             .map(|n| {
                 serde_json::json!({
-                    "id": &*n.id,
-                    "type": &*n.type_name,
+                    "id": n.id,
+                    "type": n.type_name,
                     "happened": n.happened.as_str(),
                     "time_ms": ms(n.time),
                     "bytes": n.bytes,

@@ -6,7 +6,7 @@ use super::commit::Evaluation;
 use super::gather::{self, Files};
 use super::matching::{self, FileRead, Outcome};
 use super::meter::{Meter, MeterState};
-use super::report::{Control, Event, Happened, Report};
+use super::report::{Control, Event, Happened, NodeReports, Report};
 use super::session::{NodeRun, Session, Status};
 use crate::call::Monitor;
 use crate::diagnostic::{Diagnostic, Severity};
@@ -14,6 +14,7 @@ use crate::document::model::NodeState;
 use crate::plan::Slot;
 use crate::value::Tree;
 use rayon::prelude::*;
+use std::collections::HashSet;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -50,8 +51,9 @@ impl Session {
             undo_outputs: Vec::new(),
             reports: Vec::new(),
             files: Files::new(),
-            log: self.events.len(),
+            log: self.events.mark(),
             clock: start,
+            settled: 0,
         };
         let dirty_before = self.fill_queue();
         let meter = Meter { tell: control.on_progress, state: Mutex::new(self.expected(control)) };
@@ -62,6 +64,7 @@ impl Session {
                 break;
             }
         }
+        self.settle(&mut evaluation, &meter);
         if control.cancel.load(Ordering::Relaxed) {
             self.take_back(evaluation, dirty_before);
             self.memo.shrink_older(self.options.cache_bytes);
@@ -69,7 +72,8 @@ impl Session {
             report.elapsed = start.elapsed();
             return report;
         }
-        report.nodes = evaluation.reports;
+        let (ids, types) = (self.plan.ids.clone(), self.plan.type_names.clone());
+        report.nodes = NodeReports { ids, types, rows: evaluation.reports };
         self.evict();
         self.tell(&mut report.diagnostics);
         report.elapsed = start.elapsed();
@@ -148,7 +152,7 @@ impl Session {
         before
     }
 
-    fn weight(&self, n: usize) -> f64 {
+    pub(super) fn weight(&self, n: usize) -> f64 {
         let known = self.costs.get(self.plan.nodes[n].node_type as usize).copied().unwrap_or(0.0);
         let slow = self.plan.node_type(n).is_some_and(|t| t.slow);
         if known > 0.0 {
@@ -183,15 +187,35 @@ impl Session {
 
     /// False if a node was cancelled.
     fn run_level(&mut self, level: &[u32], e: &mut Evaluation, cancel: &AtomicBool, meter: &Meter<'_>) -> bool {
-        let mut jobs = Vec::new();
+        let (mut jobs, mut twins, mut keys) = (Vec::new(), Vec::new(), HashSet::new());
         for n in level {
-            if let Some(job) = self.look_at(*n, e) {
+            if self.run_quick(*n, e, cancel, meter) {
+                if cancel.load(Ordering::Relaxed) {
+                    return false;
+                }
+                continue;
+            }
+            let Some(job) = self.look_at(*n, e) else { continue };
+            // Instances of one cluster meet at one level, often with the same inputs: one runs, the others find its result.
+            if self.plan.has_instances() && !keys.insert(job.key) {
+                twins.push(*n);
+            } else {
                 jobs.push(job);
             }
         }
+        if !self.run_batch(jobs, e, cancel, meter) {
+            return false;
+        }
+        let jobs = twins.into_iter().filter_map(|n| self.look_at(n, e)).collect();
+        self.run_batch(jobs, e, cancel, meter)
+    }
+
+    /// False if a node was cancelled.
+    fn run_batch(&mut self, mut jobs: Vec<Job>, e: &mut Evaluation, cancel: &AtomicBool, meter: &Meter<'_>) -> bool {
         if jobs.is_empty() {
             return true;
         }
+        self.settle(e, meter);
         if jobs.len() == 1
             && let Some(job) = jobs.pop_if(|j| self.is_tiny(j.node as usize))
         {
@@ -225,7 +249,6 @@ impl Session {
     /// Decides what to do with a node; a job if it has to run.
     fn look_at(&mut self, n: u32, e: &mut Evaluation) -> Option<Job> {
         let i = n as usize;
-        let id = self.plan.ids[i].clone();
         if self.plan.nodes[i].state == NodeState::Disabled {
             self.publish(n, NodeRun { status: Status::Disabled, ..NodeRun::default() }, &[], e);
             self.note(n, Happened::Disabled, Duration::ZERO, e);
@@ -245,13 +268,13 @@ impl Session {
             let status = if unknown { Status::Blocked } else { Status::Failed };
             self.publish(n, NodeRun { status, blocked_by: n, ..NodeRun::default() }, &[], e);
             self.note(n, if unknown { Happened::Blocked } else { Happened::Failed }, Duration::ZERO, e);
-            self.events.push(if unknown { Event::Blocked(id.clone(), id) } else { Event::Failed(id) });
+            self.events.push(if unknown { Event::Blocked(n, n) } else { Event::Failed(n) });
             return None;
         }
         if let Some(by) = self.blocked_by(i) {
             self.publish(n, NodeRun { status: Status::Blocked, blocked_by: by, ..NodeRun::default() }, &[], e);
             self.note(n, Happened::Blocked, Duration::ZERO, e);
-            self.events.push(Event::Blocked(id, self.plan.ids[by as usize].clone()));
+            self.events.push(Event::Blocked(n, by));
             return None;
         }
         if self.plan.nodes[i].state == NodeState::Bypassed {
@@ -261,7 +284,7 @@ impl Session {
         if self.plan.missing(i).next().is_some() {
             self.publish(n, NodeRun { status: Status::Failed, blocked_by: n, ..NodeRun::default() }, &[], e);
             self.note(n, Happened::Failed, Duration::ZERO, e);
-            self.events.push(Event::Failed(id));
+            self.events.push(Event::Failed(n));
             return None;
         }
         if self.plan.nodes[i].has_files && self.fetch_missing(n) {
@@ -275,13 +298,13 @@ impl Session {
         if known && useful {
             self.nodes[i].dirty = false;
             self.note(n, Happened::CutOff, Duration::ZERO, e);
-            self.events.push(Event::CutOff(id));
+            self.events.push(Event::CutOff(n));
             return None;
         }
         if let Some(entry) = self.memo.get(key) {
             let (outputs, reports, failed) = (entry.outputs.clone(), entry.reports.clone(), entry.failed);
             let status = if failed { Status::Failed } else { Status::Good };
-            self.events.push(Event::MemoHit(id));
+            self.events.push(Event::MemoHit(n));
             self.publish(n, NodeRun { key, reports, status, blocked_by: n, ..NodeRun::default() }, &outputs, e);
             self.note(n, if failed { Happened::Failed } else { Happened::Memo }, Duration::ZERO, e);
             return None;
@@ -327,7 +350,7 @@ impl Session {
         let happened = if passed.is_ok() { Happened::Bypassed } else { Happened::Failed };
         let outputs = passed.unwrap_or_else(|fail| {
             reports.push((Severity::Error, fail));
-            self.events.push(Event::Failed(self.plan.ids[i].clone()));
+            self.events.push(Event::Failed(n));
             Vec::new()
         });
         let reports = (!reports.is_empty()).then(|| reports.into());

@@ -3,7 +3,7 @@
 use super::cache::{Memo, Reports};
 use super::matching::Matching;
 use super::queue::Queue;
-use super::report::Event;
+use super::report::Events;
 use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
 use crate::document::model::{Document, InterfaceInput, NodeState, split_port};
 use crate::document::operations::Operation;
@@ -103,9 +103,11 @@ pub struct Session {
     pub(crate) readers: Vec<u32>,
     /// Mean nanoseconds per run by node type of the plan; 0: not known yet.
     pub(crate) costs: Vec<f64>,
-    pub(crate) events: Vec<Event>,
     /// Another number for every plan.
     pub(crate) stamp: u64,
+    /// Of a type whose nodes are cheap: some result was so large that it is remembered all the same.
+    pub(crate) remembered: Vec<bool>,
+    pub(crate) events: Events,
     pool: OnceLock<Option<rayon::ThreadPool>>,
 }
 
@@ -150,13 +152,14 @@ impl Session {
             evicted: false,
             readers: Vec::new(),
             costs: Vec::new(),
+            remembered: Vec::new(),
             registry,
             document,
             options,
-            plan,
             memo: Memo::default(),
-            events: Vec::new(),
             stamp: 0,
+            events: Events::new(plan.ids.clone()),
+            plan,
             pool: OnceLock::new(),
         };
         session.reset();
@@ -176,6 +179,7 @@ impl Session {
         self.asked = None;
         self.readers = (0..count as u32).filter(|n| self.plan.nodes[*n as usize].has_files).collect();
         self.costs = vec![0.0; self.plan.types.len()];
+        self.remembered = vec![false; self.plan.types.len()];
     }
 
     /// The document as it stands, parameters set so far included.
@@ -199,6 +203,7 @@ impl Session {
         let mut plan = Plan::compile(&document, &self.registry);
         plan.add(told);
         let old_plan = std::mem::replace(&mut self.plan, plan);
+        self.events.renumber(self.plan.ids.clone());
         self.document = document;
         let (old_nodes, old_values) = (std::mem::take(&mut self.nodes), std::mem::take(&mut self.values));
         self.reset();
@@ -442,8 +447,8 @@ impl Session {
     }
 
     /// Takes the log of everything since it was last taken.
-    pub fn take_events(&mut self) -> Vec<Event> {
-        std::mem::take(&mut self.events)
+    pub fn take_events(&mut self) -> Events {
+        self.events.take()
     }
 
     /// Bytes of remembered results.

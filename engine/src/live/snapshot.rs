@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Where values are by name, for as long as the plan stays the same.
 pub(crate) struct Names {
     /// Sorted.
-    ids: Vec<Arc<str>>,
+    ids: Arc<Vec<Arc<str>>>,
     /// Type and first output slot of each node.
     nodes: Vec<(Option<Arc<NodeType>>, u32)>,
     /// Output slots of interface outputs and of outputs of instances.

@@ -69,6 +69,11 @@ impl Plan {
         self.find(path).is_some_and(|n| self.node_type(n).is_none())
     }
 
+    /// True if there are clusters in the graph that are in use.
+    pub fn has_instances(&self) -> bool {
+        !self.instances.is_empty()
+    }
+
     /// True if an instance of a cluster has that path.
     pub fn is_instance(&self, path: &str) -> bool {
         self.instances.contains_key(path)

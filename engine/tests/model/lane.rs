@@ -52,7 +52,7 @@ impl Lane {
     }
 
     /// Takes a step; gives the log of an evaluation.
-    pub fn step(&mut self, step: &Step) -> Result<Option<Vec<Event>>, String> {
+    pub fn step(&mut self, step: &Step) -> Result<Option<Events>, String> {
         match step {
             Step::Edit(operation) => self.edit(operation)?,
             Step::Paste(ids) => {
@@ -147,7 +147,7 @@ impl Lane {
         });
     }
 
-    fn evaluate(&mut self, targets: &[String], cancel_at: Option<usize>) -> Result<Vec<Event>, String> {
+    fn evaluate(&mut self, targets: &[String], cancel_at: Option<usize>) -> Result<Events, String> {
         let names: Vec<&str> = targets.iter().map(String::as_str).collect();
         let flag = Arc::new(AtomicBool::new(false));
         self.calls.begin(cancel_at.map(|at| (at, flag.clone())));
@@ -237,10 +237,10 @@ impl Lane {
         expected: &Expected,
         report: &Report,
         calls: &BTreeMap<Who, usize>,
-        events: &[Event],
+        events: &Events,
     ) -> Result<(), String> {
         let document = self.session.document();
-        let ran = |e: &Event, id: &str| matches!(e, Event::Executed(n) | Event::Failed(n) if **n == *id);
+        let ran = |e: Event<&str>, id: &str| matches!(e, Event::Executed(n) | Event::Failed(n) if n == id);
         let mut groups: BTreeMap<Who, Vec<&String>> = BTreeMap::new();
         for (id, node) in document.nodes() {
             let tag = node.params.get("tag").and_then(Json::as_i64).unwrap_or(0);
@@ -254,15 +254,15 @@ impl Lane {
                 "{who:?} ran {count} times, but the log says of none of {nodes:?} that it ran: {events:?}"
             );
             let runs = |id: &&&String| {
-                let happened = |n: &&NodeReport| matches!(n.happened, Happened::Executed | Happened::Failed);
-                report.nodes.iter().filter(|n| *n.id == ***id).filter(happened).count()
+                let happened = |n: &NodeReport<'_>| matches!(n.happened, Happened::Executed | Happened::Failed);
+                report.nodes.iter().filter(|n| n.id == id.as_str()).filter(happened).count()
             };
             // One item of an output is one call; of nodes that fail, or have several items fail, that is not known.
             let most: usize =
                 nodes.iter().map(|id| runs(&id) * self.lanes(expected, id)).fold(0, usize::saturating_add);
             ensure!(*count <= most, "{who:?} ran {count} times, the report accounts for {most}: {:?}", report.nodes);
         }
-        for node in &report.nodes {
+        for node in report.nodes.iter() {
             let executed = events.iter().filter(|e| matches!(e, Event::Executed(n) if *n == node.id)).count();
             let reported = report.nodes.iter().filter(|n| n.id == node.id && n.happened == Happened::Executed).count();
             ensure!(
@@ -270,7 +270,7 @@ impl Lane {
                 "{}: {executed} times executed in the log, {reported} in the report",
                 node.id
             );
-            let Some((_, outputs, digest)) = expected.nodes.get(&*node.id) else {
+            let Some((_, outputs, digest)) = expected.nodes.get(node.id) else {
                 return Err(format!("{} was looked at and is not needed", node.id));
             };
             if node.happened == Happened::Executed {
@@ -279,7 +279,7 @@ impl Lane {
                     .iter()
                     .flatten()
                     .any(|t| t.branches().iter().any(|(_, c)| (0..c.len()).any(|i| c.is_valid(i))));
-                let tag = document.nodes().get(&*node.id).and_then(|n| n.params.get("tag")).and_then(Json::as_i64);
+                let tag = document.nodes().get(node.id).and_then(|n| n.params.get("tag")).and_then(Json::as_i64);
                 let who = (node.type_name.to_string(), tag.unwrap_or(0));
                 ensure!(!made || calls.contains_key(&who), "{} is said to have run, and did not", node.id);
             }

@@ -73,8 +73,8 @@ pub fn expected(
         (fresh, report) = with_constants(document, &held, &targets, fresh, &report, disk)?;
     }
     let mut nodes = BTreeMap::new();
-    for node in &report.nodes {
-        let t = fresh.registry().get(&node.type_name);
+    for node in report.nodes.iter() {
+        let t = fresh.registry().get(node.type_name);
         let value = |p: &Port| fresh.value(&format!("{}.{}", node.id, p.name()));
         let outputs = t.map_or_else(Vec::new, |t| t.outputs().iter().map(value).collect());
         nodes.insert(node.id.to_string(), (node.happened, outputs, node.digest));

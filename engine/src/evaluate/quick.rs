@@ -1,0 +1,112 @@
+//! The short way for cheap nodes. One that costs less than looking after it (arithmetic on single numbers) runs where it is
+//! found: no job, no memo, no clock of its own.
+
+use super::commit::{Evaluation, SMALL};
+use super::gather;
+use super::matching;
+use super::meter::Meter;
+use super::report::{Event, Happened, Row};
+use super::session::{NodeRun, Session, Status};
+use crate::call::Monitor;
+use crate::document::model::NodeState;
+use crate::plan::Slot;
+use crate::value::Tree;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// So many cheap nodes share one reading of the clock.
+const BATCH: usize = 64;
+
+impl Session {
+    /// Deals with a cheap node to which nothing special happens; false if it has to go the long way. What it decides depends
+    /// on types and data alone, so the log is the same however long anything takes.
+    pub(super) fn run_quick(&mut self, n: u32, e: &mut Evaluation, cancel: &AtomicBool, meter: &Meter<'_>) -> bool {
+        let i = n as usize;
+        if !self.is_quick(i) {
+            return false;
+        }
+        let key = gather::key(&self.plan, i, &self.digests, &[]);
+        let run = &self.nodes[i];
+        if run.key == key && run.present && run.status == Status::Good {
+            self.nodes[i].dirty = false;
+            self.note(n, Happened::CutOff, Duration::ZERO, e);
+            self.events.push(Event::CutOff(n));
+            return true;
+        }
+        let Some(t) = self.plan.node_type(i) else { return false };
+        let monitor = Monitor { cancel, report: None, span: (0.0, 1.0) };
+        let Some(outcome) = matching::run_simple(t, gather::simple(&self.plan, t, i, &self.values), monitor) else {
+            return false;
+        };
+        if cancel.load(Ordering::Relaxed) {
+            return true;
+        }
+        let small = outcome.outputs.iter().map(Tree::bytes).sum::<usize>() <= SMALL;
+        if outcome.failed || outcome.cancelled || !outcome.reports.is_empty() || !small {
+            self.settle(e, meter);
+            self.commit(n, key, outcome, Duration::ZERO, e);
+            return true;
+        }
+        self.events.push(Event::Executed(n));
+        let run = NodeRun { key, status: Status::Good, blocked_by: n, ..NodeRun::default() };
+        let mut outputs = outcome.outputs.into_iter();
+        if !self.publish_each(n, run, |_| outputs.next(), e) {
+            self.events.push(Event::CutOff(n));
+        }
+        self.note(n, Happened::Executed, Duration::ZERO, e);
+        if e.reports.len() - e.settled >= BATCH {
+            self.settle(e, meter);
+        }
+        true
+    }
+
+    /// A cheap node that can run: everything that it needs is there, and little of it.
+    fn is_quick(&self, i: usize) -> bool {
+        let node = &self.plan.nodes[i];
+        let Some(t) = self.plan.node_type(i) else { return false };
+        if !t.cheap || self.remembered[node.node_type as usize] || node.has_files || node.state != NodeState::On {
+            return false;
+        }
+        let mut bytes = 0;
+        for (slot, port) in self.plan.node_slots(i).iter().zip(&t.inputs) {
+            match slot {
+                Slot::Missing if !port.optional => return false,
+                Slot::Missing | Slot::Default => {}
+                Slot::Literal(l) => bytes += self.plan.literals[*l as usize].bytes(),
+                Slot::Wires { from, to, .. } => {
+                    for source in self.plan.wire_sources(*from, *to) {
+                        let run = &self.nodes[self.plan.output_node[*source as usize] as usize];
+                        let Some(tree) = &self.values[*source as usize] else { return false };
+                        bytes += tree.bytes();
+                        if run.status != Status::Good || !run.present || bytes > SMALL {
+                            return false;
+                        }
+                    }
+                }
+            }
+        }
+        bytes <= SMALL && self.plan.is_sound(i)
+    }
+
+    /// Shares the time since the clock was last read among the cheap nodes that ran since.
+    pub(super) fn settle(&mut self, e: &mut Evaluation, meter: &Meter<'_>) {
+        let from = std::mem::replace(&mut e.settled, e.reports.len());
+        let ran = |row: &&mut Row| row.happened == Happened::Executed;
+        let count = e.reports[from..].iter_mut().filter(ran).count();
+        if count == 0 {
+            return;
+        }
+        let now = Instant::now();
+        let time = (now - std::mem::replace(&mut e.clock, now)) / count as u32;
+        let mut weight = 0.0;
+        for row in e.reports[from..].iter_mut().filter(ran) {
+            row.time = time;
+            weight += self.weight(row.node as usize);
+            self.learn(row.node_type, time);
+        }
+        meter.finish(weight);
+        if let Some(last) = e.reports.last() {
+            meter.show(&self.plan.ids[last.node as usize], 0.0, 0.0);
+        }
+    }
+}
