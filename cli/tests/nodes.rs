@@ -30,7 +30,7 @@ fn one_type_is_described_with_its_ports() {
 fn the_conversions_are_those_of_the_book() {
     let folder = Folder::new();
     let list = folder.tenon(&["nodes", "--conversions"]).code(0).stdout;
-    assert_eq!(list, "integer -> number\nitem -> list\npoint -> vector\nvector -> point\n");
+    assert_eq!(list, "curve -> polygon\ninteger -> number\nitem -> list\npoint -> vector\nvector -> point\n");
     let json = folder.tenon(&["nodes", "--conversions", "--json"]).code(0).json();
     let book = include_str!("../../docs/values.md");
     for conversion in json.as_array().unwrap() {

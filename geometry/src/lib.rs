@@ -12,6 +12,7 @@ pub mod motion;
 pub mod panel;
 pub mod planar;
 pub mod plane;
+pub mod polygon;
 pub mod proof;
 pub mod surface;
 

@@ -9,6 +9,7 @@ mod expression;
 mod fuzz;
 mod graphs;
 mod order;
+mod polygons;
 mod registry;
 mod same_bytes;
 mod trees;

@@ -95,6 +95,8 @@ pub fn cut_parts(
         return Err(PathError::Cancelled);
     }
     let mut all = PartPaths { operation_start: vec![0], clearance: params.clearance, ..PartPaths::default() };
+    // Columns that grow would be copied, and their pages made, again and again.
+    reserve(&mut all.paths, single.iter().map(|(trace, ..)| trace.paths.tip.len()).sum());
     for (trace, issues, failed) in single {
         append(&mut all.paths, trace.paths);
         all.operation_start.push(all.paths.operations.len() as u32);
@@ -113,6 +115,14 @@ fn features_by_part(parts: &PartSet) -> Vec<Vec<u32>> {
         }
     }
     own
+}
+
+/// Makes room for so many more moves.
+fn reserve(paths: &mut ToolPaths, moves: usize) {
+    paths.kind.reserve(moves);
+    paths.tip.reserve(moves);
+    paths.axis.reserve(moves);
+    paths.feed.reserve(moves);
 }
 
 /// Moves the columns of `from` to the end of `to`.
@@ -286,10 +296,7 @@ pub fn place_paths(paths: &PartPaths, layout: &Layout, machine: &Machine) -> (To
     order.sort_by_key(|(board, purpose, tool, rank, _)| (*board, *purpose, *tool, *rank));
     let total = order.iter().map(|(.., op)| op.moves.len()).sum();
     let mut out = ToolPaths { operations: Vec::with_capacity(order.len()), ..ToolPaths::default() };
-    out.kind.reserve(total);
-    out.tip.reserve(total);
-    out.axis.reserve(total);
-    out.feed.reserve(total);
+    reserve(&mut out, total);
     for (board, _, _, rank, op) in order {
         let place = &layout.placements[rank];
         let from = out.tip.len() as u32;

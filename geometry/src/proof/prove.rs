@@ -118,8 +118,13 @@ pub fn prove(
         }
     }
     // In the order given; boards without a program last.
-    let place = |v: &ProgramVerdict| programs.iter().position(|p| p.board == v.board).unwrap_or(usize::MAX);
-    report.programs.sort_by_key(place);
+    let mut place = vec![usize::MAX; layout.boards as usize];
+    for (k, program) in programs.iter().enumerate() {
+        if let Some(place) = place.get_mut(program.board as usize) {
+            *place = k;
+        }
+    }
+    report.programs.sort_by_key(|v| place.get(v.board as usize).copied().unwrap_or(usize::MAX));
     Ok(report)
 }
 

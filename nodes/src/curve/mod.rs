@@ -1,5 +1,6 @@
 //! Nodes for curves and the surfaces made of them.
 
+mod area;
 mod ifs_curve;
 mod scheme;
 mod tensor_product;
@@ -10,7 +11,7 @@ use tenon_geometry::ifs::CurveError;
 use tenon_geometry::surface::SurfaceError;
 
 pub(crate) fn nodes() -> Vec<NodeType> {
-    vec![ifs_curve::node(), vector_sum::node(), tensor_product::node()]
+    vec![ifs_curve::node(), vector_sum::node(), tensor_product::node(), area::node()]
 }
 
 fn curve_fail(error: &CurveError) -> Fail {

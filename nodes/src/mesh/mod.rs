@@ -1,5 +1,6 @@
 //! Nodes on meshes: read, order, planarize.
 
+mod of_polygons;
 mod order;
 mod planarize;
 mod read;
@@ -8,7 +9,7 @@ use tenon_engine::{Fail, NodeType};
 use tenon_geometry::mesh::MeshError;
 
 pub(crate) fn nodes() -> Vec<NodeType> {
-    vec![read::node(), order::node(), planarize::node()]
+    vec![read::node(), of_polygons::node(), order::node(), planarize::node()]
 }
 
 /// A mesh error in the words of a diagnostic.

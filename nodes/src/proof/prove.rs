@@ -3,6 +3,7 @@
 use crate::post::MachineFile;
 use crate::value::{Program, Standing, V};
 use rayon::prelude::*;
+use std::collections::HashMap;
 use std::sync::Arc;
 use tenon_engine::{Call, Fail, NodeType, Port, Unit};
 use tenon_geometry::board::{Layout, PartSet};
@@ -55,7 +56,8 @@ fn run(c: &mut Call) -> Result<(), Fail> {
     for verdict in report.programs.iter().filter(|v| !v.passed) {
         c.report(Fail::new("proof-failed", format!("{}: {}", verdict.name, why(verdict))).port("programs"));
     }
-    let judged = programs.iter().zip(&report.programs).map(|(p, v)| judged(p, v, &report, machine)).collect();
+    let worst = worst_by_board(&report);
+    let judged = programs.iter().zip(&report.programs).map(|(p, v)| judged(p, v, &worst, machine)).collect();
     c.set_list("programs", judged);
     c.set("passed", report.passed());
     c.set("report", V::new(report));
@@ -72,13 +74,27 @@ fn why(verdict: &ProgramVerdict) -> String {
     }
 }
 
+/// The largest gouge and the largest leftover on each board, mm. O(parts).
+fn worst_by_board(report: &ProofReport) -> HashMap<u32, [f64; 2]> {
+    let mut worst: HashMap<u32, [f64; 2]> = HashMap::new();
+    for part in report.parts.iter().flatten() {
+        let [gouge, leftover] = worst.entry(part.board).or_default();
+        *gouge = gouge.max(part.gouge);
+        *leftover = leftover.max(part.leftover);
+    }
+    worst
+}
+
 /// The program with its verdict in its header.
-fn judged(program: &Program, verdict: &ProgramVerdict, report: &ProofReport, machine: &MachineFile) -> Program {
+fn judged(
+    program: &Program,
+    verdict: &ProgramVerdict,
+    worst: &HashMap<u32, [f64; 2]>,
+    machine: &MachineFile,
+) -> Program {
     let mut posted = (*program.posted).clone();
-    let own = || report.parts.iter().flatten().filter(|p| p.board == verdict.board);
     let standing = if verdict.passed {
-        let gouge = own().map(|p| p.gouge).fold(0.0, f64::max);
-        let leftover = own().map(|p| p.leftover).fold(0.0, f64::max);
+        let [gouge, leftover] = worst.get(&verdict.board).copied().unwrap_or_default();
         posted.set_status(
             &machine.words,
             &format!("proven, largest gouge {gouge:.4} mm, largest leftover {leftover:.4} mm"),

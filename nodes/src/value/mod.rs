@@ -11,6 +11,7 @@ mod mesh;
 mod panel;
 mod path;
 mod point;
+mod polygon;
 mod program;
 mod proof;
 
@@ -24,6 +25,8 @@ use std::ops::Deref;
 use std::sync::Arc;
 use tenon_engine::{Digester, Item, Json, Registry};
 use tenon_geometry::DVec3;
+use tenon_geometry::ifs::Curve;
+use tenon_geometry::polygon::Polygon;
 
 /// A shared value on a wire; cloning it is free.
 #[derive(Debug, Default)]
@@ -91,8 +94,9 @@ pub fn register(registry: &mut Registry) {
     registry.register_type::<Point>();
     registry.register_type::<Vector>();
     registry.register_type::<V<tenon_geometry::Plane>>();
-    registry.register_type::<V<tenon_geometry::ifs::Curve>>();
+    registry.register_type::<V<Curve>>();
     registry.register_type::<V<SegmentNames>>();
+    registry.register_type::<V<Polygon>>();
     registry.register_type::<V<tenon_geometry::mesh::Mesh>>();
     registry.register_type::<V<tenon_geometry::panel::PanelSet>>();
     registry.register_type::<V<tenon_geometry::joint::FeatureSet>>();
@@ -105,6 +109,9 @@ pub fn register(registry: &mut Registry) {
     registry.register_type::<V<tenon_geometry::proof::ProofReport>>();
     registry.register_conversion::<Point, Vector>(|p| Ok(Vector(p.0)));
     registry.register_conversion::<Vector, Point>(|v| Ok(Point(v.0)));
+    registry.register_conversion::<V<Curve>, V<Polygon>>(|curve| {
+        Polygon::of_curve(curve).map(V::new).map_err(|e| e.to_string())
+    });
 }
 
 /// `[x, y, z]`, mm.
