@@ -30,6 +30,8 @@ pub enum Command {
     Nodes(NodesArgs),
     /// Show the value of any port: a summary, a table or JSON
     Inspect(InspectArgs),
+    /// Say what the code of a diagnostic means and what helps
+    Explain(ExplainArgs),
     /// Print the JSON Schema of graph files
     Schema(SchemaArgs),
     /// Compare graphs with the expectations recorded beside them
@@ -225,12 +227,25 @@ pub struct InspectArgs {
     pub threads: u16,
 }
 
+/// Options of `tenon explain`.
+#[derive(Debug, Args)]
+pub struct ExplainArgs {
+    /// The code, as it stands between brackets: missing-input. Without it all are listed
+    pub code: Option<String>,
+    /// Print the words as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Options of `tenon schema`.
 #[derive(Debug, Args)]
 pub struct SchemaArgs {
     /// Narrow it to the installed node types, each with its parameters and inputs
     #[arg(long)]
     pub nodes: bool,
+    /// Print the schema of reports instead: what --report and run --json write
+    #[arg(long, conflicts_with = "nodes")]
+    pub report: bool,
 }
 
 /// Options of `tenon test`.

@@ -44,7 +44,7 @@ pub fn read(file: &Path) -> Result<Vec<u8>, Wrong> {
     File::open(file).map_err(unreadable)?.take(limit).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() > DEFAULT_SIZE_LIMIT {
         return Err(Wrong::new(
-            "too-large",
+            "file-too-large",
             format!("{} is larger than a graph may be ({} MiB)", file.display(), DEFAULT_SIZE_LIMIT >> 20),
         ));
     }

@@ -5,6 +5,8 @@
 
 mod args;
 mod check;
+mod codes;
+mod explain;
 mod files;
 mod fmt;
 mod graph;
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
         Some(Command::Nodes(a)) => a.json,
         Some(Command::Inspect(a)) => a.json,
         Some(Command::Sweep(a)) => sweep::json(a),
+        Some(Command::Explain(a)) => a.json,
         Some(Command::Test(a)) => a.json,
         Some(Command::Watch(a)) => a.json,
         Some(Command::Schema(_) | Command::Fmt(_)) | None => false,
@@ -62,6 +65,7 @@ fn main() -> ExitCode {
         Some(Command::Nodes(a)) => nodes::nodes(&a),
         Some(Command::Inspect(a)) => inspect::inspect(&a),
         Some(Command::Schema(a)) => schema::schema(&a),
+        Some(Command::Explain(a)) => explain::explain(&a),
         Some(Command::Test(a)) => test::test(&a),
         Some(Command::Fmt(a)) => fmt::fmt(&a),
         Some(Command::Watch(a)) => watch::watch(&a),

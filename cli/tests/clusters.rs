@@ -109,3 +109,29 @@ fn a_cluster_is_described_like_a_node_type() {
     assert_eq!(described["outputs"][0]["name"], "numbers");
     folder.tenon(&["nodes", "--graph", "."]).code(0);
 }
+
+#[test]
+fn rows_of_a_sweep_are_of_the_linked_files_as_they_are() {
+    let folder = folder();
+    let plan = || folder.tenon(&["sweep", "plan", "g.tenon.json", "--vary", "n.value=1,2", "--out", "p.jsonl"]).code(0);
+    let run = || folder.tenon(&["sweep", "run", "p.jsonl", "--out", "r", "--json"]);
+    plan();
+    let (planned, first) = (folder.read("p.jsonl"), run().code(0).json());
+    assert_eq!(first["evaluated"], 2);
+    assert_eq!(run().code(0).json()["evaluated"], 0);
+    plan();
+    assert_eq!(folder.read("p.jsonl"), planned, "nothing has changed");
+
+    folder.write("lib/pair.tenon.json", PAIR.replace(r#""count": 2"#, r#""count": 3"#));
+    run().code(2).says(&["is another than"]);
+    plan();
+    assert_ne!(folder.read("p.jsonl"), planned);
+    assert_eq!(run().code(0).json()["evaluated"], 2);
+    let table = folder.read("r/results.jsonl");
+    let row: serde_json::Value = serde_json::from_str(table.lines().next().unwrap()).unwrap();
+    assert_eq!(row["values"]["numbers"]["value"]["branches"]["{0}"], serde_json::json!([1.0, 2.0, 3.0]));
+    folder.write("lib/pair.tenon.json", PAIR);
+    plan();
+    assert_eq!(folder.read("p.jsonl"), planned, "the file is what it was");
+    assert_eq!(run().code(0).json()["finished_before"], 2);
+}

@@ -3,6 +3,7 @@
 mod call;
 mod check;
 mod clusters;
+mod explain;
 mod fmt;
 mod get;
 mod graphs;

@@ -148,6 +148,20 @@ fn damaged_results_and_changed_input_files_are_evaluated_again() {
     assert_eq!((run(), run()), (json!(1), json!(0)));
     assert!(contents(&folder, "r") == before);
 
+    // A number in a result that is still JSON; a result that was cut off; one that has gone.
+    let result = before.keys().find(|name| name.ends_with("/result.json")).unwrap();
+    let text = folder.read(&format!("r/{result}"));
+    let changed = text.replacen("\"ok\": true", "\"ok\": false", 1);
+    assert_ne!(changed, text);
+    for damage in [changed.as_bytes(), &text.as_bytes()[..text.len() / 2], b""] {
+        folder.write(&format!("r/{result}"), damage);
+        let ended = folder.tenon(&["sweep", "run", "p.jsonl", "--out", "r", "--json"]).code(0);
+        let ended = ended.says(&["result.json is damaged; the row is evaluated again"]).json();
+        assert_eq!((&ended["evaluated"], &ended["damaged"]), (&json!(1), &json!(1)));
+        assert!(contents(&folder, "r") == before);
+    }
+    assert_eq!(run(), json!(0));
+
     folder.write("canopy.obj", format!("# another file\n{}", folder.read("canopy.obj")));
     assert_eq!((run(), run()), (json!(2), json!(0)));
 }

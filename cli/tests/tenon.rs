@@ -122,7 +122,18 @@ pub struct Ended {
 impl From<Output> for Ended {
     fn from(o: Output) -> Self {
         let text = |bytes| String::from_utf8(bytes).unwrap();
+        documented(&String::from_utf8_lossy(&o.stderr));
         Self { code: o.status.code().unwrap_or(-1), stdout: text(o.stdout), stderr: text(o.stderr) }
+    }
+}
+
+/// Whatever a test does: no code may be said that the book does not explain.
+fn documented(stderr: &str) {
+    const BOOK: &str = include_str!("../../docs/diagnostics.md");
+    for said in ["error[", "warning[", "note["] {
+        for code in stderr.split(said).skip(1).filter_map(|rest| rest.split_once(']')).map(|(code, _)| code) {
+            assert!(BOOK.contains(&format!("| `{code}` |")), "docs/diagnostics.md does not explain {code}:\n{stderr}");
+        }
     }
 }
 

@@ -1,5 +1,9 @@
 //! Errors are values: what went wrong, where, and where it can be said, what would fix it.
 
+mod codes;
+
+pub use codes::{CODES, Code};
+
 use serde::Serialize;
 use std::borrow::Cow;
 

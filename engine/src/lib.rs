@@ -13,10 +13,11 @@ mod plan;
 mod port;
 mod registry;
 mod schema;
+pub mod sweep;
 mod value;
 
 pub use call::{Call, Monitor};
-pub use diagnostic::{Diagnostic, Fail, Severity, nearest};
+pub use diagnostic::{CODES, Code, Diagnostic, Fail, Severity, nearest};
 pub use document::{
     Cluster, DEFAULT_SIZE_LIMIT, DEPTH_LIMIT, Document, Fields, History, InterfaceInput, InterfaceOutput, Link, Node,
     NodeState, Operation, OuterWires, Paste, Table, TreeOp, Wires,

@@ -250,3 +250,27 @@ fn formulas_are_written_for_the_graph_outside() {
     evaluate(&mut s, &["b.t"]);
     assert_eq!(items(&s, "b.t"), json!([7.0]));
 }
+
+/// A node renamed inside a cluster is one renaming there, at whatever depth its text stands.
+#[test]
+fn a_node_renamed_in_a_cluster_shows_as_renamed() {
+    let text = json!({"format": "tenon",
+        "clusters": {"c": {
+            "interface": {"outputs": {"o": {"port": "b.sum"}}},
+            "nodes": {"a": {"type": "number", "params": {"value": 3}},
+                "b": {"type": "add", "params": {"b": [1, 2]}, "inputs": {"a": {"from": ["a.value"]}}}}}},
+        "nodes": {"x": {"type": "cluster:c"}}});
+    for text in [text.to_string(), format!("{text:#}")] {
+        let before = Document::from_slice(text.as_bytes()).unwrap_or_else(|e| panic!("{e:?}"));
+        let rename = Operation::InCluster {
+            name: "c".into(),
+            operation: Box::new(Operation::Rename { from: "b".into(), to: "sum".into() }),
+        };
+        let mut after = before.clone();
+        rename.apply(&mut after).unwrap_or_else(|d| panic!("{d}"));
+        assert_eq!(before.diff(&after), [rename]);
+        let mut again = before.clone();
+        Operation::All(before.diff(&after)).apply(&mut again).unwrap_or_else(|d| panic!("{d}"));
+        assert_eq!(again.to_string_canonical(), after.to_string_canonical());
+    }
+}

@@ -357,6 +357,45 @@ fn removing_and_renaming_follow_every_name() {
 }
 
 #[test]
+fn a_renamed_node_shows_as_renamed() {
+    let text = r#"{"format": "tenon",
+        "nodes": {"a": {"type": "number", "params": {"value": 3}}, "b": {"type": "number", "params": {"value": 3}},
+            "s": {"type": "add", "inputs": {"a": {"from": ["a.value"]}, "b": {"from": ["b.value"]}}},
+            "t": {"type": "add", "inputs": {"a": {"from": ["s.sum"]}, "b": {"from": ["s.sum"]}}}},
+        "groups": {"g": {"nodes": ["a", "s"]}},
+        "interface": {"outputs": {"o": {"port": "t.sum"}}}}"#;
+    let rename = |from: &str, to: &str| Operation::Rename { from: from.into(), to: to.into() };
+    let before = read(text);
+    // A chain of two renamed nodes.
+    let mut after = before.clone();
+    for step in [rename("s", "sum"), rename("t", "twice")] {
+        apply(&mut after, step).expect("free");
+    }
+    assert_eq!(before.diff(&after), [rename("s", "sum"), rename("t", "twice")]);
+
+    // Two that are alike are told apart by where they lie; where nothing tells them apart they are put anew.
+    let (mut before, mut after) = (before.clone(), before);
+    for step in [rename("a", "x"), rename("b", "y")] {
+        apply(&mut after, step).expect("free");
+    }
+    let alike = before.diff(&after);
+    assert!(!alike.iter().any(|o| matches!(o, Operation::Rename { .. })), "{alike:?}");
+    for (document, [a, b]) in [(&mut before, ["a", "b"]), (&mut after, ["x", "y"])] {
+        for (node, x) in [(a, 0.0), (b, 100.0)] {
+            apply(document, Operation::Move { node: node.into(), to: Some([x, 0.0]) }).expect("there");
+        }
+    }
+    assert_eq!(before.diff(&after), [rename("a", "x"), rename("b", "y")]);
+
+    // What has changed besides comes after it, under the new name.
+    apply(&mut after, Operation::SetParam { node: "t".into(), port: "c".into(), value: Some(json!(1)) })
+        .expect("there");
+    let found = before.diff(&after);
+    assert_eq!(found[..2], [rename("a", "x"), rename("b", "y")]);
+    assert_eq!(found.len(), 3, "{found:?}");
+}
+
+#[test]
 fn refusals_say_what_is_wrong() {
     let mut d = document(json!({"number": {"type": "number"}, "b": {"type": "add"}}));
     let wire = |from: &str| Operation::Connect { node: "b".into(), port: "a".into(), from: from.into(), at: None };

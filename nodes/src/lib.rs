@@ -1,6 +1,7 @@
 //! Every built-in node: thin typed faces on `tenon_geometry`, the value types they exchange, files and posts.
 
 mod board;
+mod codes;
 mod curve;
 mod files;
 pub mod io;
@@ -16,6 +17,8 @@ mod proof;
 mod text;
 mod tree;
 pub mod value;
+
+pub use codes::CODES;
 
 use tenon_engine::{NodeType, Registry};
 

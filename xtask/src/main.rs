@@ -1,7 +1,8 @@
-//! Developer commands: `cargo xtask bench SUITE` measures, `cargo xtask docs` writes the node reference,
-//! `cargo xtask picture` draws the picture of the README.
+//! Developer commands: `cargo xtask bench SUITE` measures, `cargo xtask docs` writes the node reference and
+//! the list of codes, `cargo xtask picture` draws the picture of the README.
 
 mod bench;
+mod codes;
 mod docs;
 mod picture;
 
@@ -16,7 +17,7 @@ cargo xtask bench chain [CASE]...   measure the chain; one JSON line per figure 
 cargo xtask bench engine [NODES]... the engine beside its peers, at these sizes or at all
 cargo xtask bench cancel [CASE]...  how long jobs go on after they were told to stop; FILE.obj is planarized
 cargo xtask bench editor            what the editor's window costs, without a screen
-cargo xtask docs [--check]          write docs/nodes.md from the registry, or only compare
+cargo xtask docs [--check]          write docs/nodes.md and the codes of docs/diagnostics.md, or only compare
 cargo xtask picture                  draw docs/shell-256.svg from graphs/shell-256
 cargo xtask screenshots              draw the pictures of the editor in docs/";
 
@@ -27,14 +28,14 @@ fn main() -> ExitCode {
         ["bench", "chain", cases @ ..] => bench::chain::run(cases),
         ["bench", "engine", sizes @ ..] => bench::engine::run(sizes),
         ["bench", "cancel", cases @ ..] => bench::cancel::run(cases),
-        ["bench-child", rest @ ..] => bench::chain::child(rest),
+        ["bench-child", rest @ ..] => bench::growth::child(rest),
         ["picture"] => picture::write(),
         ["screenshots"] => {
             editor(&["test", "-p", "tenon-editor", "--test", "main", "--", "--ignored", "pictures_of_the_book"])
         }
         ["bench", "editor"] => editor(&["bench", "-p", "tenon-editor", "--bench", "editor"]),
-        ["docs"] => docs::write(),
-        ["docs", "--check"] => docs::check(),
+        ["docs"] => docs::write().and_then(|()| codes::write()),
+        ["docs", "--check"] => docs::check().and_then(|()| codes::check()),
         _ => Err(USAGE.to_owned()),
     };
     match result {

@@ -1,7 +1,7 @@
 //! `tenon sweep run`: every row of a plan that has no result yet, several at once, with one bar for all.
 
-use super::plan::{self, Row};
-use super::row::{Bench, Inputs, Lock, finished};
+use super::plan::{self, Planned};
+use super::row::{Bench, Found, Inputs, Lock, damage, finished, found};
 use crate::args::SweepRunArgs;
 use crate::progress::Bar;
 use crate::words::{Voice, Wrong, print, print_json};
@@ -20,7 +20,18 @@ pub fn run(args: &SweepRunArgs) -> Result<End, Wrong> {
     output::prepare_folder(&args.out)?;
     let _lock = Lock::alone(&args.out)?;
     let mut inputs = Inputs::default();
-    let pending: Vec<&Row> = rows.iter().filter(|row| finished(&args.out, row, &mut inputs).is_none()).collect();
+    let (mut pending, mut damaged): (Vec<&Planned>, usize) = (Vec::new(), 0);
+    for row in &rows {
+        match found(&args.out, row, &mut inputs) {
+            Found::Finished(_) => continue,
+            Found::Damaged(file) => {
+                damaged += 1;
+                Voice::new().say(&damage(row, &file));
+            }
+            Found::Nothing | Found::Outdated => {}
+        }
+        pending.push(row);
+    }
     let before = rows.len() - pending.len();
     let cancel = interrupt::flag();
     let bar = Bar::new(args.json);
@@ -44,8 +55,7 @@ pub fn run(args: &SweepRunArgs) -> Result<End, Wrong> {
             faulty += 1;
             voice.say(&fault(row, &result));
         }
-        let line =
-            serde_json::json!({ "key": row.key, "set": row.set, "ok": result["ok"], "values": result["values"] });
+        let line = serde_json::json!({ "key": row.row.key, "set": row.row.set, "ok": result["ok"], "values": result["values"] });
         table.push_str(&format!("{line}\n"));
     }
     output::write_whole(&args.out.join(TABLE), table.as_bytes())?;
@@ -55,6 +65,7 @@ pub fn run(args: &SweepRunArgs) -> Result<End, Wrong> {
             "rows": rows.len(),
             "finished_before": before,
             "evaluated": evaluated,
+            "damaged": damaged,
             "with_errors": faulty,
             "out": args.out.display().to_string(),
         }))?;
@@ -70,7 +81,8 @@ pub fn run(args: &SweepRunArgs) -> Result<End, Wrong> {
 }
 
 /// Why a row is not well, in one line.
-fn fault(row: &Row, result: &Json) -> String {
+fn fault(planned: &Planned, result: &Json) -> String {
+    let row = &planned.row;
     let set: Vec<String> = row.set.iter().map(|(name, value)| format!("{name}={value}")).collect();
     let diagnostics = result["diagnostics"].as_array().map_or(&[][..], Vec::as_slice);
     let mut errors = diagnostics.iter().filter(|d| d["severity"] == "error");
@@ -83,7 +95,7 @@ fn fault(row: &Row, result: &Json) -> String {
 /// Evaluates the rows in order, `jobs` at a time, and says how many.
 fn evaluate(
     args: &SweepRunArgs,
-    rows: &[&Row],
+    rows: &[&Planned],
     before: usize,
     cancel: &Arc<AtomicBool>,
     bar: &Bar,

@@ -9,7 +9,7 @@ mod vary;
 use crate::args::{SweepCommand, SweepRowArgs};
 use crate::words::{Voice, Wrong, print, print_json};
 use crate::{End, interrupt, output};
-use row::{Bench, Inputs, Lock};
+use row::{Bench, Found, Inputs, Lock};
 use tenon_engine::{Control, Json, Progress};
 
 /// Whether the result is asked for as JSON.
@@ -33,7 +33,7 @@ pub fn sweep(command: &SweepCommand) -> Result<End, Wrong> {
 /// Evaluates one row, unless its result is there.
 fn run_row(args: &SweepRowArgs) -> Result<End, Wrong> {
     let rows = plan::read(&args.plan)?;
-    let Some(row) = rows.iter().find(|row| row.key == args.key) else {
+    let Some(row) = rows.iter().find(|planned| planned.row.key == args.key) else {
         let message = format!("{} has no row {}", args.plan.display(), args.key);
         return Err(Wrong::new("unknown-row", message).hint("a row's key stands in its \"key\""));
     };
@@ -42,8 +42,12 @@ fn run_row(args: &SweepRowArgs) -> Result<End, Wrong> {
     let mut bench = Bench::new(args.threads.into(), crate::run::CACHE);
     // A plan of another graph is refused even where the result is there.
     bench.load(row)?;
-    let result = if let Some(done) = row::finished(&args.out, row, &mut Inputs::default()) {
-        Voice::new().say(&format!("{} is finished already", row.key));
+    let found = row::found(&args.out, row, &mut Inputs::default());
+    if let Found::Damaged(file) = &found {
+        Voice::new().say(&row::damage(row, file));
+    }
+    let result = if let Found::Finished(done) = found {
+        Voice::new().say(&format!("{} is finished already", args.key));
         done
     } else {
         let bar = crate::progress::Bar::new(args.json);
@@ -61,7 +65,7 @@ fn run_row(args: &SweepRowArgs) -> Result<End, Wrong> {
     if args.json {
         print_json(&result)?;
     } else {
-        print(&format!("{}\n", args.out.join(&row.key).display()))?;
+        print(&format!("{}\n", args.out.join(&args.key).display()))?;
     }
     Ok(if result["ok"] == Json::Bool(true) { End::Done } else { End::Errors })
 }

@@ -2,20 +2,19 @@
 //!
 //! A result is the folder `DIR/KEY` with `result.json` and `files/`. It is made under another name, synced and renamed.
 
-use super::plan::{self, Row};
+use super::plan::Planned;
 use crate::files::{self, Made};
 use crate::output::{self, Staged};
 use crate::words::{Wrong, to_json};
 use crate::{graph, output::WriteError};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-use tenon_engine::{
-    Control, Diagnostic, Document, Host, Json, NodeState, Options, Registry, Session, Severity, digest_bytes,
-};
+use tenon_engine::sweep::{RowEvaluator, seal, unseal};
+use tenon_engine::{Control, Diagnostic, Host, Json, Options, Registry, Severity, digest_bytes};
 
 /// Name of the file that says what a row came to.
 const RESULT: &str = "result.json";
@@ -23,39 +22,12 @@ const RESULT: &str = "result.json";
 /// Ending of folders that are not results (yet).
 const TEMPORARY: &str = ".tmp";
 
-/// Types of which values stand in the result; of the others only their digest and one line.
-const PLAIN: [&str; 4] = ["number", "integer", "boolean", "text"];
-
-/// Hands files on and remembers which, with their digests.
-struct Recorder {
-    files: graph::Files,
-    seen: Mutex<BTreeMap<String, Option<u128>>>,
-}
-
-impl Host for Recorder {
-    fn read(&self, path: &str) -> io::Result<Arc<[u8]>> {
-        let read = self.files.read(path);
-        let digest = read.as_ref().ok().map(|bytes| digest_bytes(bytes));
-        self.seen.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned(), digest);
-        read
-    }
-}
-
 /// A session that evaluates row after row, so that what rows have in common is computed once.
 pub struct Bench {
     registry: Arc<Registry>,
     threads: usize,
     cache_bytes: usize,
-    loaded: Option<Loaded>,
-}
-
-struct Loaded {
-    graph: PathBuf,
-    document: Document,
-    digest: u128,
-    session: Session,
-    recorder: Arc<Recorder>,
-    names: Vec<String>,
+    loaded: Option<(PathBuf, RowEvaluator)>,
 }
 
 /// What a row came to.
@@ -76,134 +48,114 @@ impl Bench {
     ///
     /// # Errors
     /// If it is not the graph that the plan was made for.
-    pub fn load(&mut self, row: &Row) -> Result<(), Wrong> {
-        if self.loaded.as_ref().is_none_or(|l| l.graph != row.graph) {
-            let (_, document) = graph::load(&row.graph)?;
-            let files = graph::Files::new(&row.graph, HashSet::new());
-            let recorder = Arc::new(Recorder { files, seen: Mutex::default() });
-            let options = Options { threads: self.threads, cache_bytes: self.cache_bytes, host: recorder.clone() };
-            let digest = plan::digest(&document);
-            let session = Session::new(self.registry.clone(), document.clone(), options);
-            self.loaded =
-                Some(Loaded { graph: row.graph.clone(), document, digest, session, recorder, names: Vec::new() });
-        }
-        match &self.loaded {
-            Some(l) if plan::key(l.digest, &row.set) == row.key => Ok(()),
-            _ => {
-                let message = format!(
-                    "{}, or the program, is another than when row {} was planned",
-                    row.graph.display(),
-                    row.key
-                );
-                Err(Wrong::new("stale-plan", message)
-                    .hint("make the plan again; what has not changed is not evaluated again"))
+    pub fn load(&mut self, planned: &Planned) -> Result<&mut RowEvaluator, Wrong> {
+        let at_hand = self.loaded.take().filter(|(graph, _)| *graph == planned.graph);
+        let (_, evaluator) = match at_hand {
+            Some(loaded) => self.loaded.insert(loaded),
+            None => {
+                let (_, document) = graph::load(&planned.graph)?;
+                let host = Arc::new(graph::Files::new(&planned.graph, HashSet::new()));
+                let options = Options { threads: self.threads, cache_bytes: self.cache_bytes, host };
+                let evaluator = RowEvaluator::new(self.registry.clone(), document, options);
+                self.loaded.insert((planned.graph.clone(), evaluator))
             }
+        };
+        if evaluator.takes(&planned.row) {
+            return Ok(evaluator);
         }
+        let (graph, key) = (planned.graph.display(), &planned.row.key);
+        let message = format!("{graph}, or the program, is another than when row {key} was planned");
+        Err(Wrong::new("stale-plan", message).hint("make the plan again; what has not changed is not evaluated again"))
     }
 
     /// Evaluates a row and writes its result into `dir`; `None` if it was cancelled: then nothing is written.
     ///
     /// # Errors
     /// A plan that is not this graph's, a value that an input refuses, a folder that cannot be written.
-    pub fn evaluate(&mut self, row: &Row, control: &Control<'_>, dir: &Path) -> Result<Option<RowResult>, Wrong> {
-        self.load(row)?;
-        let Some(l) = &mut self.loaded else { return Ok(None) };
-        let names: Vec<String> = row.set.keys().cloned().collect();
-        if l.document.nodes().values().any(|node| node.state == NodeState::Frozen) {
-            // A frozen node keeps what the row before has given it; a row's result must not depend on that.
-            let options = Options { threads: self.threads, cache_bytes: self.cache_bytes, host: l.recorder.clone() };
-            l.session = Session::new(self.registry.clone(), l.document.clone(), options);
-        } else if l.names != names {
-            // Inputs that only the row before has set go back to what the graph says.
-            l.session.replace(l.document.clone());
-            l.names = names;
-        }
-        for (name, value) in &row.set {
-            let refused =
-                |d| Wrong::new("set", format!("row {}: {name} = {value} cannot be done", row.key)).because(vec![d]);
-            l.session.set(name, value.clone()).map_err(refused)?;
-        }
-        l.recorder.seen.lock().unwrap_or_else(PoisonError::into_inner).clear();
-        let report = l.session.evaluate(&[], control);
+    pub fn evaluate(
+        &mut self,
+        planned: &Planned,
+        control: &Control<'_>,
+        dir: &Path,
+    ) -> Result<Option<RowResult>, Wrong> {
+        let evaluator = self.load(planned)?;
+        let report = evaluator.evaluate(&planned.row, control).map_err(|d| {
+            Wrong::new("set", format!("row {} sets a value that its input refuses", planned.row.key)).because(vec![d])
+        })?;
         if report.cancelled {
             return Ok(None);
         }
-        l.write(row, report.diagnostics, dir).map(Some)
+        write(evaluator, planned, report.diagnostics, dir).map(Some)
     }
 }
 
-impl Loaded {
-    fn write(&self, row: &Row, mut diagnostics: Vec<Diagnostic>, dir: &Path) -> Result<RowResult, Wrong> {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
-        let n = COUNT.fetch_add(1, Ordering::Relaxed);
-        let folder = Temporary(dir.join(format!(".{}-{}-{n}{TEMPORARY}", row.key, std::process::id())));
-        let _ = fs::remove_dir_all(&folder.0);
-        let files_in = folder.0.join("files");
-        fs::create_dir_all(&files_in).map_err(io_at(&files_in))?;
-        let mut staged = Staged::default();
-        let made = files::stage(&mut staged, self.session.files(), Some(&files_in), false)?;
-        diagnostics.extend(made.iter().filter_map(Made::diagnostic));
-        let result = self.result(row, &diagnostics, &made, &folder.0);
-        staged.add(&folder.0.join(RESULT), format!("{result:#}\n").as_bytes())?;
-        staged.commit()?;
-        let target = dir.join(&row.key);
-        if fs::rename(&folder.0, &target).is_err() {
-            // Something is there: the same by another process, or what an older file or a damage has left.
-            if finished(dir, row, &mut Inputs::default()).is_none() {
-                let old = Temporary(folder.0.with_extension("old.tmp"));
-                fs::rename(&target, &old.0).map_err(io_at(&target))?;
-                fs::rename(&folder.0, &target).map_err(io_at(&target))?;
-            }
+/// Writes the result of the row that was evaluated last.
+fn write(
+    evaluator: &RowEvaluator,
+    planned: &Planned,
+    mut diagnostics: Vec<Diagnostic>,
+    dir: &Path,
+) -> Result<RowResult, Wrong> {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let n = COUNT.fetch_add(1, Ordering::Relaxed);
+    let key = &planned.row.key;
+    let folder = Temporary(dir.join(format!(".{key}-{}-{n}{TEMPORARY}", std::process::id())));
+    let _ = fs::remove_dir_all(&folder.0);
+    let files_in = folder.0.join("files");
+    fs::create_dir_all(&files_in).map_err(io_at(&files_in))?;
+    let mut staged = Staged::default();
+    let made = files::stage(&mut staged, evaluator.session().files(), Some(&files_in), false)?;
+    diagnostics.extend(made.iter().filter_map(Made::diagnostic));
+    let result = result(evaluator, planned, &diagnostics, &made, &folder.0);
+    staged.add(&folder.0.join(RESULT), format!("{result:#}\n").as_bytes())?;
+    staged.commit()?;
+    let target = dir.join(key);
+    if fs::rename(&folder.0, &target).is_err() {
+        // Something is there: the same by another process, or what an older file or a damage has left.
+        if !matches!(found(dir, planned, &mut Inputs::default()), Found::Finished(_)) {
+            let old = Temporary(folder.0.with_extension("old.tmp"));
+            fs::rename(&target, &old.0).map_err(io_at(&target))?;
+            fs::rename(&folder.0, &target).map_err(io_at(&target))?;
         }
-        // The rename itself is durable once the folder is synced; systems that cannot sync folders say so here.
-        let _ = File::open(dir).and_then(|f| f.sync_all());
-        Ok(RowResult { result, diagnostics })
     }
+    // The rename itself is durable once the folder is synced; systems that cannot sync folders say so here.
+    let _ = File::open(dir).and_then(|f| f.sync_all());
+    Ok(RowResult { result, diagnostics })
+}
 
-    /// The content of `result.json`: without times, so that the same row always gives the same bytes.
-    fn result(&self, row: &Row, diagnostics: &[Diagnostic], made: &[Made], folder: &Path) -> Json {
-        let errors = diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
-        let mut values = serde_json::Map::new();
-        for name in self.session.document().outputs.keys() {
-            let value = self.session.value(name).map_or(Json::Null, |tree| {
-                let digest = format!("{:032x}", tree.digest());
-                let mut value =
-                    serde_json::json!({ "type": tree.type_name(), "digest": digest, "summary": tree.summary() });
-                if PLAIN.contains(&tree.type_name()) {
-                    value["value"] = tree.to_json();
-                }
-                value
-            });
-            values.insert(name.clone(), value);
-        }
-        let files: Vec<Json> = made
-            .iter()
-            .map(|f| {
-                let path = f.path();
-                let path = path.as_deref().and_then(|p| p.strip_prefix(folder).ok()).and_then(Path::to_str);
-                serde_json::json!({
-                    "from": f.from,
-                    "name": &*f.file.name,
-                    "path": path,
-                    "bytes": f.file.bytes.len(),
-                    "digest": format!("{:032x}", digest_bytes(&f.file.bytes)),
-                    "withheld": f.file.withheld.as_deref(),
-                })
+/// The content of `result.json`: without times, so that the same row always gives the same bytes.
+fn result(
+    evaluator: &RowEvaluator,
+    planned: &Planned,
+    diagnostics: &[Diagnostic],
+    made: &[Made],
+    folder: &Path,
+) -> Json {
+    let errors = diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
+    let files: Vec<Json> = made
+        .iter()
+        .map(|f| {
+            let path = f.path();
+            let path = path.as_deref().and_then(|p| p.strip_prefix(folder).ok()).and_then(Path::to_str);
+            serde_json::json!({
+                "from": f.from,
+                "name": &*f.file.name,
+                "path": path,
+                "bytes": f.file.bytes.len(),
+                "digest": format!("{:032x}", digest_bytes(&f.file.bytes)),
+                "withheld": f.file.withheld.as_deref(),
             })
-            .collect();
-        let seen = self.recorder.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        let inputs: BTreeMap<&String, Option<String>> =
-            seen.iter().map(|(path, digest)| (path, digest.map(|d| format!("{d:032x}")))).collect();
-        serde_json::json!({
-            "key": row.key,
-            "set": row.set,
-            "ok": errors == 0 && made.iter().all(|f| !f.withheld),
-            "values": values,
-            "diagnostics": to_json(diagnostics),
-            "files": files,
-            "inputs": inputs,
         })
-    }
+        .collect();
+    seal(serde_json::json!({
+        "key": planned.row.key,
+        "set": planned.row.set,
+        "ok": errors == 0 && made.iter().all(|f| !f.withheld),
+        "values": evaluator.values(),
+        "diagnostics": to_json(diagnostics),
+        "files": files,
+        "inputs": evaluator.inputs(),
+    }))
 }
 
 fn io_at(path: &Path) -> impl FnOnce(io::Error) -> Wrong + '_ {
@@ -234,25 +186,54 @@ impl Inputs {
     }
 }
 
-/// The row's result in `dir`, if it is there and whole, and the files that it came from are the same as today.
-pub fn finished(dir: &Path, row: &Row, inputs: &mut Inputs) -> Option<Json> {
-    let folder = dir.join(&row.key);
-    let result: Json = serde_json::from_slice(&fs::read(folder.join(RESULT)).ok()?).ok()?;
-    if result["key"].as_str() != Some(&row.key) {
-        return None;
+/// What there is of a row in a folder of results.
+pub enum Found {
+    /// Nothing.
+    Nothing,
+    /// Its result, whole, and the files that it came from are the same as today.
+    Finished(Json),
+    /// Its result, but a file that the graph reads is another one today.
+    Outdated,
+    /// Something that is not as it was written; what it is.
+    Damaged(String),
+}
+
+/// What is said of a damaged result.
+pub fn damage(planned: &Planned, file: &str) -> String {
+    format!("{}: {file} is damaged; the row is evaluated again", planned.row.key)
+}
+
+/// Looks for the row's result in `dir`.
+pub fn found(dir: &Path, planned: &Planned, inputs: &mut Inputs) -> Found {
+    let folder = dir.join(&planned.row.key);
+    if !folder.exists() {
+        return Found::Nothing;
     }
-    for file in result["files"].as_array()? {
-        let bytes = fs::read(output::inside(&folder, file["path"].as_str()?).ok()?).ok()?;
-        if file["digest"].as_str()? != format!("{:032x}", digest_bytes(&bytes)) {
-            return None;
+    let text = fs::read(folder.join(RESULT)).ok();
+    let sealed = text.as_deref().and_then(unseal).filter(|r| r["key"].as_str() == Some(&planned.row.key));
+    let Some(result) = sealed else { return Found::Damaged(RESULT.to_owned()) };
+    for file in result["files"].as_array().map_or(&[][..], Vec::as_slice) {
+        let name = file["path"].as_str().unwrap_or_default();
+        let bytes = output::inside(&folder, name).ok().and_then(|path| fs::read(path).ok());
+        let digest = bytes.map(|bytes| format!("{:032x}", digest_bytes(&bytes)));
+        if digest.is_none() || digest.as_deref() != file["digest"].as_str() {
+            return Found::Damaged(name.to_owned());
         }
     }
-    for (path, digest) in result["inputs"].as_object()? {
-        if inputs.digest(&row.graph, path).as_deref() != digest.as_str() {
-            return None;
+    for (path, digest) in result["inputs"].as_object().into_iter().flatten() {
+        if inputs.digest(&planned.graph, path).as_deref() != digest.as_str() {
+            return Found::Outdated;
         }
     }
-    Some(result)
+    Found::Finished(result)
+}
+
+/// The row's result in `dir`, if it is there, whole and of today's files.
+pub fn finished(dir: &Path, planned: &Planned, inputs: &mut Inputs) -> Option<Json> {
+    match found(dir, planned, inputs) {
+        Found::Finished(result) => Some(result),
+        _ => None,
+    }
 }
 
 /// Keeps a folder of results from being cleared while somebody works in it. The system lets go of it when the process

@@ -39,7 +39,8 @@ pub fn run(names: &[&str]) -> Result<(), String> {
     let wanted = |case: &str| (names.is_empty() && files.is_empty()) || names.contains(&case);
     let registry = Arc::new(tenon_nodes::registry());
     let mut jobs: Vec<Job> = Vec::new();
-    for (case, size) in [("shell_256", Size::ALL[0]), ("shell_1024", Size::ALL[1]), ("shell_10240", Size::ALL[2])] {
+    for (case, size) in [("shell_256", Size::STANDS), ("shell_1024", Size::GROWTH[0]), ("shell_10240", Size::GROWTH[1])]
+    {
         jobs.push((case, size.panels(), text(size)?));
     }
     jobs.extend(lists());

@@ -7,6 +7,12 @@ pub fn peak() -> Option<u64> {
     line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| kib * 1024)
 }
 
+/// Starts the peak anew at what is resident now. Without effect where the system has no such thing: the peak is then of
+/// all that came before.
+pub fn forget_peak() {
+    let _ = std::fs::write("/proc/self/clear_refs", "5");
+}
+
 #[cfg(test)]
 mod tests {
     #[cfg(target_os = "linux")]

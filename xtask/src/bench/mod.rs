@@ -4,6 +4,7 @@ pub mod cancel;
 pub mod chain;
 pub mod engine;
 mod figure;
+pub mod growth;
 mod memory;
 mod peer;
 mod shell;

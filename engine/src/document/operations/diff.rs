@@ -2,17 +2,19 @@
 
 use super::super::cluster::Cluster;
 use super::super::format::{input_text, json_text, link_text, node_text, output_text};
-use super::super::model::{Document, Node};
+use super::super::model::{Document, Node, Raw};
+use super::apply::apply_at;
 use super::{Operation, Table};
 use crate::value::Json;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 impl Document {
     /// Operations that make `self` into `other`: applied in order, they give the same document and the same text, byte for
     /// byte. Nodes of the same type and version are changed field by field, others are put whole, and so are links; in
-    /// clusters of this file differences are found in the same way. A renamed node counts as
-    /// removed and added. O(n), linear in both texts.
+    /// clusters of this file differences are found in the same way. A node that is gone is renamed where `other` has one
+    /// like it (its wires aside) that `self` has not, and no second one. O(n), linear in both texts, besides O(n) for every
+    /// rename.
     #[must_use]
     pub fn diff(&self, other: &Self) -> Vec<Operation> {
         let mut all = self.content_diff(other, 0);
@@ -34,6 +36,19 @@ impl Document {
 
     /// The difference but for clusters, of documents whose braces stand at `depth` in their files.
     fn content_diff(&self, other: &Self, depth: usize) -> Vec<Operation> {
+        let renames = renames(self, other);
+        if renames.is_empty() {
+            return self.difference(other, depth);
+        }
+        let mut renamed = self.clone();
+        let possible = |rename: &Operation| apply_at(rename, &mut renamed, depth).is_ok();
+        let mut all: Vec<Operation> = renames.into_iter().filter(possible).collect();
+        all.extend(renamed.difference(other, depth));
+        all
+    }
+
+    /// The same without renames.
+    fn difference(&self, other: &Self, depth: usize) -> Vec<Operation> {
         let mut all = Vec::new();
         for (id, before, after) in changed(&self.nodes, &other.nodes, |a, b| source(a, depth) == source(b, depth)) {
             match (before, after) {
@@ -70,6 +85,56 @@ impl Document {
         }
         all
     }
+}
+
+/// Pairs of a node that only `a` has and one that only `b` has which are alike, as renames in order of the old ids. Several
+/// alike are told apart by where they lie and by what is wired to them; if they cannot, they are left as they are.
+fn renames(a: &Document, b: &Document) -> Vec<Operation> {
+    let gone: Vec<(&str, &Node)> = only_in(a, b);
+    let new: Vec<(&str, &Node)> = only_in(b, a);
+    let mut taken: HashSet<&str> = HashSet::new();
+    let mut pairs: BTreeMap<&str, &str> = BTreeMap::new();
+    for sharp in [true, false] {
+        let mut alike: BTreeMap<String, [Vec<&str>; 2]> = BTreeMap::new();
+        for (side, (document, nodes, others)) in [(a, &gone, b), (b, &new, a)].into_iter().enumerate() {
+            for (id, node) in nodes.iter().filter(|(id, _)| !taken.contains(id)) {
+                let mut key = likeness(node);
+                if sharp {
+                    let known = |from: &&String| {
+                        from.split_once('.').is_some_and(|(source, _)| others.nodes.contains_key(source))
+                    };
+                    let wires: Vec<&String> = node.inputs.values().flat_map(|w| &w.from).filter(known).collect();
+                    key.push_str(&format!("{wires:?} {:?}", document.layout.positions.get(*id)));
+                }
+                alike.entry(key).or_default()[side].push(id);
+            }
+        }
+        for [gone, new] in alike.values() {
+            if let ([from], [to]) = (&gone[..], &new[..]) {
+                pairs.insert(from, to);
+                taken.extend([*from, *to]);
+            }
+        }
+    }
+    pairs.into_iter().map(|(from, to)| Operation::Rename { from: from.into(), to: to.into() }).collect()
+}
+
+/// The nodes of `a` whose ids `b` does not have.
+fn only_in<'a>(a: &'a Document, b: &Document) -> Vec<(&'a str, &'a Node)> {
+    a.nodes.iter().filter(|(id, _)| !b.nodes.contains_key(*id)).map(|(id, node)| (id.as_str(), node)).collect()
+}
+
+/// Everything that the file says of a node, but of its wires only how many there are: their sources may be renamed too.
+fn likeness(node: &Node) -> String {
+    let mut bare = node.clone();
+    let counts: Vec<(&String, usize)> = node.inputs.iter().map(|(port, wires)| (port, wires.from.len())).collect();
+    for port in node.inputs.keys() {
+        if let Some(wires) = bare.inputs.get_mut(port) {
+            wires.from.clear();
+        }
+    }
+    bare.raw = Raw(None);
+    format!("{} {counts:?} ", node_text(&bare, 0))
 }
 
 /// The keys whose values differ, in order.
