@@ -253,7 +253,7 @@ pub fn unit(document: &Document, registry: &Registry, output: &str) -> Option<St
 /// How long each node took, the slowest first.
 fn profile(voice: &Voice, report: &Report) {
     let mut nodes: Vec<_> = report.nodes.iter().collect();
-    nodes.sort_by(|a, b| b.time.cmp(&a.time).then_with(|| a.id.cmp(&b.id)));
+    nodes.sort_by(|a, b| b.time.cmp(&a.time).then_with(|| a.id.cmp(b.id)));
     let width = nodes.iter().map(|n| n.id.len()).max().unwrap_or(0);
     for n in nodes {
         let share = 100.0 * n.time.as_secs_f64() / report.elapsed.as_secs_f64().max(f64::MIN_POSITIVE);

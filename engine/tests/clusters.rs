@@ -43,7 +43,7 @@ fn an_instance_is_the_graph_inlined() {
     assert_eq!(items(&s, "x.root"), json!([4.0]));
     assert_eq!(items(&s, "y/add.sum"), json!([9.0]));
     assert_eq!(items(&s, "end.sum"), json!([7.0]));
-    let ids: Vec<&str> = report.nodes.iter().map(|n| &*n.id).collect();
+    let ids: Vec<&str> = report.nodes.iter().map(|n| n.id).collect();
     assert_eq!(ids, ["n", "x/add", "x/root", "y/add", "y/root", "y/floor", "end"]);
 }
 

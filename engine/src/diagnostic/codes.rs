@@ -72,7 +72,7 @@ pub const CODES: &[Code] = &[
     code("cancelled", "The evaluation was asked to stop.", "Nothing of it stands; start it again."),
     code(
         "cluster-cycle",
-        "A cluster contains itself, directly or through others; the message writes the way out.",
+        "A cluster contains itself, directly or through others; the message writes out how.",
         "Remove one of the instances that the message names.",
     ),
     code(
