@@ -55,6 +55,10 @@ pub struct Part {
     pub label: String,
     /// Where its label stands, mm.
     pub centre: DVec3,
+    /// Area of a panel's front or of a face, mm²; 0 for what has none.
+    pub area: f64,
+    /// Largest angle between a panel and a neighbour, degrees.
+    pub fold: f64,
 }
 
 /// All that one output shows.
@@ -112,7 +116,7 @@ impl Drawing {
     }
 
     fn part(&mut self, label: String, centre: DVec3) -> u32 {
-        self.parts.push(Part { label, centre });
+        self.parts.push(Part { label, centre, area: 0.0, fold: 0.0 });
         self.parts.len() as u32 - 1
     }
 
@@ -146,6 +150,10 @@ impl Drawing {
             let centre = front.iter().sum::<DVec3>() / front.len().max(1) as f64;
             let label = panels.address.get(i).map_or_else(|| i.to_string(), ToString::to_string);
             let part = self.part(label, centre);
+            if let Some(last) = self.parts.last_mut() {
+                last.area = if solid.face_count() > 0 { solid.face_area(0) } else { 0.0 };
+                last.fold = fold(panels, i);
+            }
             for f in 0..solid.face_count() {
                 let corners: Vec<DVec3> = solid.face(f).iter().map(|v| solid.points[*v as usize]).collect();
                 self.face(&corners, solid.planes[f].normal, part);
@@ -167,6 +175,9 @@ impl Drawing {
             let corners: Vec<DVec3> = mesh.face_points(f).collect();
             let label = mesh.addresses.get(f).map_or_else(|| f.to_string(), ToString::to_string);
             let part = self.part(label, mesh.face_centre(f));
+            if let Some(last) = self.parts.last_mut() {
+                last.area = mesh.face_area_vector(f).length();
+            }
             self.face(&corners, mesh.face_normal(f).unwrap_or(DVec3::Z), part);
             for (k, a) in corners.iter().enumerate() {
                 self.line(*a, corners[(k + 1) % corners.len()], part);
@@ -203,6 +214,14 @@ impl Drawing {
         }
         best
     }
+}
+
+/// The largest angle between the normals of a panel and of its neighbours, degrees.
+fn fold(panels: &PanelSet, i: usize) -> f64 {
+    let normal = panels.normal[i];
+    let neighbours = panels.neighbour[panels.corners(i)].iter().flatten();
+    let angles = neighbours.filter_map(|n| Some(panels.normal.get(n.panel as usize)?.angle_between(normal)));
+    angles.fold(0.0, f64::max).to_degrees()
 }
 
 /// Where a ray meets a triangle from either side (Möller, Trumbore 1997).

@@ -2,6 +2,7 @@
 
 use crate::common::{Window, graph};
 use eframe::egui::{Key, Modifiers, PointerButton, Pos2, vec2};
+use egui_kittest::kittest::Queryable as _;
 use tenon_engine::NodeState;
 
 const TWO: &str = r#"{
@@ -90,6 +91,16 @@ fn nodes_are_framed_moved_duplicated_and_deleted() {
     w.key(Modifiers::COMMAND, Key::G);
     assert_eq!(w.app().model.document().groups.len(), 1);
     w.picture("group");
+    w.key(Modifiers::COMMAND, Key::A);
+    w.click_with(w.rect("node a").center(), PointerButton::Secondary, Modifiers::NONE);
+    let menu = w.harness.get_by_label_contains("Align").rect();
+    w.click(menu.center());
+    w.steps(5);
+    w.click(w.rect("Left edges").center());
+    let lefts: Vec<f64> = ["a", "a-2", "p", "p-2"].map(|n| w.app().model.document().position(n).unwrap()[0]).into();
+    assert!(lefts.iter().all(|x| *x == lefts[0]), "{lefts:?}");
+    w.key(Modifiers::COMMAND, Key::Z);
+    w.app().model.selection = ["a-2".to_owned(), "p-2".to_owned()].into();
     w.key(Modifiers::NONE, Key::Delete);
     assert_eq!(w.app().model.document().nodes().keys().collect::<Vec<_>>(), ["a", "p"]);
     for _ in 0..4 {

@@ -2,6 +2,7 @@
 
 use crate::common::{Window, root};
 use eframe::egui::{Modifiers, PointerButton, vec2};
+use tenon_editor::viewport::Measure;
 use tenon_engine::Json;
 
 /// Pixels of a part of a picture that are the colour of wood in some light.
@@ -57,6 +58,20 @@ fn the_shell_opens_is_seen_and_follows_the_hand() {
     let at = w.app().viewport.camera.project(viewport, part).unwrap();
     w.click(at);
     w.picture("shell-picked");
+    for measure in [Measure::Size, Measure::Fold] {
+        let parts = &w.app().model.results.drawings["thicken.panels"].parts;
+        let figures: Vec<f64> = parts.iter().map(|p| measure.of(p)).collect();
+        assert!(figures.iter().all(|f| *f > 0.0), "every panel has an area and a neighbour at an angle");
+    }
+    let sum: f64 = w.app().model.results.drawings["thicken.panels"].parts.iter().map(|p| p.area).sum();
+    let area = w.app().model.results.values["thicken.area"].first::<f64>().copied().unwrap();
+    assert!((sum - area).abs() < 1e-6 * area, "{sum} {area}");
+    w.app().viewport.measure = Some(Measure::Size);
+    w.steps(2);
+    let picture = w.picture("shell-measured");
+    let blue = picture.pixels().filter(|p| p[2] > 90 && p[2] > p[0].saturating_add(40)).count();
+    assert!(blue > 1000, "small panels are blue: {blue} pixels are");
+    w.app().viewport.measure = None;
     let picked = w.app().viewport.picked.clone().unwrap();
     assert_eq!(picked.output, "thicken.panels");
     assert!(w.app().model.selection.contains("thicken"));

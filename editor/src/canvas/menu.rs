@@ -1,5 +1,6 @@
 //! The context menu of the canvas, and groups behind their nodes.
 
+use super::align;
 use super::hit::Hit;
 use super::input::Typing;
 use super::paint::Paint;
@@ -63,6 +64,16 @@ impl Canvas {
             {
                 operation = Some(Operation::PutWires { node: id.clone(), port: port.name.clone(), wires: None });
                 ui.close();
+            }
+            if model.selection.len() > 1 {
+                ui.menu_button("Align", |ui| {
+                    for (words, how) in align::ALL {
+                        if ui.button(words).clicked() {
+                            operation = align::align(model, &self.shapes, how);
+                            ui.close();
+                        }
+                    }
+                });
             }
             ui.separator();
             if ui.button("Duplicate").clicked() {

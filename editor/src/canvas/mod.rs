@@ -1,6 +1,7 @@
 //! The canvas: nodes and wires of the document, painted and moved by hand. It owns what is only seen (which part, what is
 //! folded, what is being dragged); every change goes to the model as an operation.
 
+mod align;
 mod finder;
 mod gesture;
 mod hit;

@@ -106,20 +106,25 @@ impl Model {
     /// it wants to be called again, if nothing else happens.
     pub fn keep(&mut self) -> Option<Duration> {
         let unsaved = self.unsaved();
-        let soon = self.path().is_some().then_some(2 * EVERY);
         if !unsaved && self.keeper.written.is_some() {
             self.forget_kept();
         }
         let due = self.keeper.last.is_none_or(|last| last.elapsed() >= EVERY);
         if !due {
-            return if unsaved { Some(EVERY) } else { soon };
+            return self.wants_keeping(unsaved).then_some(EVERY);
         }
         self.keeper.last = Some(Instant::now());
         self.look_at_file(unsaved);
         if unsaved && self.keeper.written != Some(self.revision()) && self.left_behind().is_none() {
             self.write_kept();
         }
-        if unsaved { Some(EVERY) } else { soon }
+        self.wants_keeping(unsaved).then_some(EVERY)
+    }
+
+    /// Whether there is work that is not kept yet. Files are looked at whenever the window is drawn, as when it comes to
+    /// the front; waking it for that would cost more than it is worth.
+    fn wants_keeping(&self, unsaved: bool) -> bool {
+        unsaved && self.keeper.written != Some(self.revision()) && !self.keeper.told
     }
 
     fn write_kept(&mut self) {

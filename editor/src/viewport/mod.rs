@@ -1,22 +1,24 @@
 //! The viewport: what nodes make, in space. Looking around, picking, and points taken by hand.
 
+mod analysis;
 mod camera;
 mod gpu;
 mod hand;
 
+pub use analysis::Measure;
 pub use camera::{Camera, Standard};
 pub use gpu::install;
 
 use crate::model::Model;
-use crate::scene::{Drawing, Kind};
+use crate::scene::Kind;
 use crate::theme::Theme;
+use analysis::Colours;
 use eframe::egui::{
     self, Align2, Color32, FontId, Id, PointerButton, Rect, Response, Sense, Stroke, Ui, WidgetInfo, WidgetType,
 };
 use glam::DVec3;
 use gpu::{Frame, Shown};
 use hand::Hand;
-use std::sync::Arc;
 
 /// No more labels than this are drawn.
 const MOST_LABELS: usize = 3000;
@@ -42,8 +44,9 @@ pub struct Viewport {
     hand: Hand,
     /// All is to be brought into view as soon as there is something.
     fit: bool,
-    colours: Option<(Picked, Arc<Vec<u32>>)>,
-    plain: Arc<Vec<u32>>,
+    /// What is shown in colours.
+    pub measure: Option<Measure>,
+    colours: Colours,
 }
 
 fn rgb(colour: Color32) -> [f32; 3] {
@@ -53,7 +56,7 @@ fn rgb(colour: Color32) -> [f32; 3] {
 impl Viewport {
     /// After another graph was opened.
     pub fn opened(&mut self) {
-        *self = Self { fit: true, labels: self.labels, ..Self::default() };
+        *self = Self { fit: true, labels: self.labels, measure: self.measure, ..Self::default() };
     }
 
     /// Shows everything, or what is selected, at the next frame.
@@ -75,12 +78,21 @@ impl Viewport {
             self.paint_labels(ui, area, model);
         }
         self.axes(ui, area);
+        if let Some((measure, range)) = self.measured(model) {
+            analysis::legend(&ui.painter_at(area), area, &Theme::of(ui), measure, range);
+        }
         let taken = self.hand.show(ui, area, &self.camera, model);
         if response.clicked() && !taken {
             self.pick(ui, &response, model);
         }
         self.say_what_is_picked(ui, area, model);
         self.buttons(ui, area);
+    }
+
+    /// What is shown in colours, and from which figure to which.
+    fn measured(&self, model: &Model) -> Option<(Measure, [f64; 2])> {
+        let measure = self.measure?;
+        Some((measure, analysis::range(measure, model.results.drawings.values())?))
     }
 
     fn bring_into_view(&mut self, area: Rect, model: &Model) {
@@ -117,6 +129,7 @@ impl Viewport {
 
     fn render(&mut self, ui: &Ui, area: Rect, model: &Model) {
         let theme = Theme::of(ui);
+        let measure = self.measured(model);
         let mut shown = Vec::new();
         for (output, drawing) in &model.results.drawings {
             let id = output.split_once('.').map_or("", |(id, _)| id);
@@ -138,11 +151,8 @@ impl Viewport {
                 Kind::Curve => [2.2, 4.0],
                 _ => [1.0, 4.0],
             };
-            let picked = self.picked.clone().filter(|p| p.output == *output);
-            let colours = match picked {
-                Some(picked) => self.colours_of(picked, drawing),
-                None => self.plain.clone(),
-            };
+            let picked = self.picked.as_ref().filter(|p| p.output == *output).map(|p| p.part);
+            let colours = self.colours.of(output, drawing, measure, picked);
             let open = drawing.kind == Kind::Mesh;
             let (face, line) = (rgb(face), rgb(line));
             shown.push(Shown { key: output.clone(), drawing: drawing.clone(), face, line, width, colours, open });
@@ -156,24 +166,6 @@ impl Viewport {
             shown,
         };
         ui.painter().add(eframe::egui_wgpu::Callback::new_paint_callback(area, frame));
-    }
-
-    /// One part in the colour of what is picked. Kept until another is picked.
-    fn colours_of(&mut self, picked: Picked, drawing: &Drawing) -> Arc<Vec<u32>> {
-        if let Some((of, colours)) = &self.colours
-            && *of == picked
-            && colours.len() == drawing.parts.len() + 1
-        {
-            return colours.clone();
-        }
-        // One more than there are parts: the last one counts for all beyond.
-        let mut colours = vec![0; drawing.parts.len() + 1];
-        if let Some(colour) = colours.get_mut(picked.part as usize) {
-            *colour = u32::from_le_bytes([255, 150, 40, 255]);
-        }
-        let colours = Arc::new(colours);
-        self.colours = Some((picked, colours.clone()));
-        colours
     }
 
     fn pick(&mut self, ui: &Ui, response: &Response, model: &mut Model) {
@@ -223,7 +215,12 @@ impl Viewport {
             Some((p, drawing.parts.get(p.part as usize)?))
         });
         let Some((picked, part)) = part else { return };
-        let text = format!("{} {}", picked.output, part.label);
+        let mut text = format!("{} {}", picked.output, part.label);
+        if part.area > 0.0 {
+            for (measure, name) in Measure::ALL {
+                text += &format!(", {name} {}", measure.shown(measure.of(part)));
+            }
+        }
         let at = egui::pos2(area.left() + 70.0, area.bottom() - 12.0);
         ui.painter_at(area).text(at, Align2::LEFT_BOTTOM, text, FontId::proportional(13.0), Theme::of(ui).text);
     }
@@ -253,6 +250,13 @@ impl Viewport {
                 self.camera.orthographic = !self.camera.orthographic;
             }
             ui.toggle_value(&mut self.labels, "Addresses");
+            let name = Measure::ALL.iter().find(|m| Some(m.0) == self.measure).map_or("plain", |m| m.1);
+            egui::ComboBox::from_id_salt("measure").selected_text(name).width(90.0).show_ui(ui, |ui| {
+                ui.selectable_value(&mut self.measure, None, "plain");
+                for (measure, name) in Measure::ALL {
+                    ui.selectable_value(&mut self.measure, Some(measure), name);
+                }
+            });
         });
     }
 }
