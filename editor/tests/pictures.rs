@@ -28,4 +28,12 @@ fn pictures_of_the_book() {
     w.app().boards.show_all();
     w.steps(3);
     save(&mut w, "editor-boards");
+    w.harness.ctx.set_theme(eframe::egui::Theme::Light);
+    w.app().side = tenon_editor::app::Side::Space;
+    w.app().viewport.measure = Some(tenon_editor::viewport::Measure::Size);
+    w.app().model.selection = ["thicken".to_owned()].into();
+    w.app().canvas.show_all();
+    w.app().lower.toggle(tenon_editor::panels::Tab::Profile);
+    w.steps(4);
+    save(&mut w, "editor-light");
 }

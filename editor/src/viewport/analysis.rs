@@ -112,9 +112,9 @@ impl Colours {
     }
 }
 
-/// What the colours mean, in the lower right corner.
+/// What the colours mean, in the upper right corner.
 pub fn legend(painter: &Painter, area: Rect, theme: &Theme, measure: Measure, [low, high]: [f64; 2]) {
-    let bar = Rect::from_min_size(area.right_bottom() - vec2(26.0, 170.0), vec2(14.0, 150.0));
+    let bar = Rect::from_min_size(area.right_top() + vec2(-26.0, 64.0), vec2(14.0, 150.0));
     let steps = 50;
     for i in 0..steps {
         let t = f64::from(i) / f64::from(steps - 1);
