@@ -131,9 +131,10 @@ impl Model {
         self.previews.clear();
         self.results = Results::default();
         self.revision += 1;
-        self.worker.open(self.document.clone(), host);
+        // What is shown goes first: asked for afterwards it would stop what has just begun.
         self.shown = Vec::new();
         self.show();
+        self.worker.open(self.document.clone(), host);
         self.note_file();
     }
 
