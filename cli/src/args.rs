@@ -17,6 +17,10 @@ pub struct CommandLine {
     /// What to do; nothing said means the default graph.
     #[command(subcommand)]
     pub command: Option<Command>,
+    /// Load a plugin: a shared library. May be given several times; those in the folders of TENON_PLUGIN_PATH and in the
+    /// user's folder are loaded as well
+    #[arg(long, value_name = "LIBRARY", global = true)]
+    pub plugin: Vec<PathBuf>,
 }
 
 /// The sub-commands.
@@ -43,6 +47,69 @@ pub enum Command {
     /// Evaluate a graph for many values of its inputs
     #[command(subcommand)]
     Sweep(SweepCommand),
+    /// Look at plugins
+    #[command(subcommand)]
+    Plugin(PluginCommand),
+}
+
+/// What can be asked of plugins.
+#[derive(Debug, Subcommand)]
+pub enum PluginCommand {
+    /// List the plugins that are loaded, and libraries that were refused
+    List(PluginListArgs),
+    /// Describe one library with its node types
+    Info(PluginInfoArgs),
+    /// Test one library's conduct, each check in a process of its own
+    Check(PluginCheckArgs),
+    /// Write the source of a new plugin into a folder
+    New(PluginNewArgs),
+}
+
+/// Options of `tenon plugin check`.
+#[derive(Debug, Args)]
+pub struct PluginCheckArgs {
+    /// A shared library
+    pub library: PathBuf,
+    /// Make only this check
+    #[arg(long, value_name = "CHECK")]
+    pub only: Option<String>,
+    /// Make the check in this process; what a check's own process is called with
+    #[arg(long, hide = true, requires = "only")]
+    pub here: bool,
+    /// Print the outcomes as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+    /// Write the outcomes as JUnit XML
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+}
+
+/// Options of `tenon plugin new`.
+#[derive(Debug, Args)]
+pub struct PluginNewArgs {
+    /// The plugin's id, lower case letters, digits and _; also the name of the folder
+    pub name: String,
+    /// In C instead of Rust
+    #[arg(long)]
+    pub c: bool,
+}
+
+/// Options of `tenon plugin list`.
+#[derive(Debug, Args)]
+pub struct PluginListArgs {
+    /// Print the list as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `tenon plugin info`.
+#[derive(Debug, Args)]
+pub struct PluginInfoArgs {
+    /// A shared library
+    pub library: PathBuf,
+    /// Print the description as JSON on stdout
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// The steps of a sweep.

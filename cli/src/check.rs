@@ -6,11 +6,12 @@ use crate::{End, graph};
 use std::collections::HashSet;
 use tenon_engine::Severity;
 
-/// Validates a graph against the registry of built-in nodes.
+/// Validates a graph against the built-in nodes and those of plugins.
 pub fn check(args: &CheckArgs) -> Result<End, Wrong> {
     let (file, mut document) = graph::load(&args.graph)?;
     document.read_links(&graph::Files::new(&file, HashSet::new()));
-    let diagnostics = document.validate(&tenon_nodes::registry());
+    let (registry, missing) = crate::plugins::registry_and_missing(&document)?;
+    let diagnostics = [missing, document.validate(&registry)].concat();
     let errors = diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
     Voice::new().diagnostics(&diagnostics);
     if args.json {

@@ -8,7 +8,14 @@ const fn code(name: &'static str, means: &'static str, help: &'static str) -> Co
 
 /// Every code that the command line gives besides the engine's and the nodes', sorted by name.
 pub const CODES: &[Code] = &[
+    code("bad-name", "The name given cannot be a plugin's id.", "Lower case letters, digits and _, a letter first."),
+    code(
+        "bad-plugin",
+        "A library is no plugin, or one that cannot be loaded.",
+        "The message says what is wrong with it.",
+    ),
     code("busy", "Another sweep works in the folder.", "Wait for it, or name another folder."),
+    code("exists", "What is to be made is there already.", "Name another, or remove it."),
     code("get", "A value that --get asks for does not exist.", "The reason below it names the nearest."),
     code("inspect", "The port to be shown does not exist.", "The reason below it names the nearest."),
     code(
@@ -18,6 +25,7 @@ pub const CODES: &[Code] = &[
     ),
     code("no-graph", "The file is not a graph, or has errors.", "The reasons stand below it."),
     code("no-plan", "A line of a plan is no row of a sweep.", "tenon sweep plan writes plans."),
+    code("no-process", "A check of a plugin cannot be started.", "The message gives the system's reason."),
     code(
         "no-thread",
         "The system gives the program no thread to work on.",
@@ -32,6 +40,7 @@ pub const CODES: &[Code] = &[
         "The graph or the program is another than when the plan was made.",
         "Make the plan again; what has not changed is not evaluated again.",
     ),
+    code("unknown-check", "There is no check of that name.", "The hint lists them all."),
     code(
         "unknown-code",
         "There is no diagnostic of that code.",

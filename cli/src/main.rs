@@ -14,6 +14,9 @@ mod inspect;
 mod interrupt;
 mod nodes;
 mod output;
+mod plugin_check;
+mod plugin_new;
+mod plugins;
 mod progress;
 mod run;
 mod schema;
@@ -48,6 +51,7 @@ const DEFAULT_GRAPH: &str = "graphs/shell-256";
 
 fn main() -> ExitCode {
     let line = CommandLine::parse();
+    plugins::name(line.plugin);
     let json = match &line.command {
         Some(Command::Run(a)) => a.json,
         Some(Command::Check(a)) => a.json,
@@ -57,6 +61,10 @@ fn main() -> ExitCode {
         Some(Command::Explain(a)) => a.json,
         Some(Command::Test(a)) => a.json,
         Some(Command::Watch(a)) => a.json,
+        Some(Command::Plugin(args::PluginCommand::List(a))) => a.json,
+        Some(Command::Plugin(args::PluginCommand::Info(a))) => a.json,
+        Some(Command::Plugin(args::PluginCommand::Check(a))) => a.json,
+        Some(Command::Plugin(args::PluginCommand::New(_))) => false,
         Some(Command::Schema(_) | Command::Fmt(_)) | None => false,
     };
     let result = match line.command {
@@ -70,6 +78,7 @@ fn main() -> ExitCode {
         Some(Command::Fmt(a)) => fmt::fmt(&a),
         Some(Command::Watch(a)) => watch::watch(&a),
         Some(Command::Sweep(a)) => sweep::sweep(&a),
+        Some(Command::Plugin(a)) => plugins::plugin(&a),
         None => run_default(),
     };
     match result {

@@ -11,7 +11,7 @@ use tenon_engine::{Diagnostic, Json, NodeType, Registry};
 
 /// Prints all node types by category, or everything about one.
 pub fn nodes(args: &NodesArgs) -> Result<End, Wrong> {
-    let registry = tenon_nodes::registry();
+    let registry = crate::plugins::registry()?;
     if args.conversions {
         return conversions(&registry, args.json);
     }
@@ -88,7 +88,7 @@ fn list(all: &[Json]) -> String {
 }
 
 /// A node type in full: doc, inputs with unit, range and default, outputs.
-fn describe(node: &Json) -> String {
+pub fn describe(node: &Json) -> String {
     let mut out = format!(
         "{} ({}) - {}\n\n{}\n",
         text(node, "type"),

@@ -99,7 +99,8 @@ pub fn open(graph: &Path, sets: &[String], threads: u16) -> Result<(PathBuf, Ses
     let texts: HashSet<String> = sets.iter().map(|(_, text)| (*text).to_owned()).collect();
     let options =
         Options { threads: threads.into(), cache_bytes: CACHE, host: Arc::new(graph::Files::new(&file, texts)) };
-    let mut session = Session::new(Arc::new(tenon_nodes::registry()), document, options);
+    let registry = Arc::new(crate::plugins::registry_for(&document)?);
+    let mut session = Session::new(registry, document, options);
     for (name, text) in sets {
         set(&mut session, name, text)?;
     }

@@ -14,7 +14,7 @@ pub fn schema(args: &SchemaArgs) -> Result<End, Wrong> {
         return Ok(End::Done);
     }
     let schema = match args.nodes {
-        true => tenon_engine::schema_with_nodes(&tenon_nodes::registry()),
+        true => tenon_engine::schema_with_nodes(&crate::plugins::registry()?),
         false => tenon_engine::schema(),
     };
     print_json(&schema)?;

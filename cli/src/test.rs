@@ -1,6 +1,6 @@
 //! `tenon test`: compares graphs with the expectations recorded beside them, or records them.
 
-mod junit;
+pub mod junit;
 
 use crate::args::TestArgs;
 use crate::words::{Voice, Wrong, print, print_json};
@@ -13,7 +13,7 @@ use std::time::Duration;
 use tenon_engine::{Control, Expectations, Json, Outcome};
 
 /// What came of one graph.
-struct Tested {
+pub struct Tested {
     graph: PathBuf,
     elapsed: Duration,
     /// The outcomes, or why there are none.

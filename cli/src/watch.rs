@@ -36,7 +36,7 @@ pub fn watch(args: &WatchArgs) -> Result<End, Wrong> {
     let texts: HashSet<String> = sets.iter().map(|(_, text)| (*text).to_owned()).collect();
     let inputs = Arc::new(Changes::new(graph::Files::new(&file, texts)));
     let options = Options { threads: args.threads.into(), cache_bytes: CACHE, host: inputs.clone() };
-    let registry = Arc::new(tenon_nodes::registry());
+    let registry = Arc::new(crate::plugins::registry_for(&document)?);
     let no_thread = |error| Wrong::new("no-thread", format!("the system gives no thread: {error}"));
     // Nothing runs before the inputs are set.
     let mut live = Live::new(registry, Document::new(), options, || {}).map_err(no_thread)?;

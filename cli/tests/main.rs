@@ -11,6 +11,7 @@ mod inspect;
 mod interrupt;
 mod kill;
 mod nodes;
+mod plugin;
 mod report;
 mod schema;
 mod set;

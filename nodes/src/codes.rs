@@ -121,6 +121,11 @@ pub const CODES: &[Code] = &[
         "The message says what is missing: a longer tool, a smaller tilt, the other face up.",
     ),
     code(
+        "feature-outside-panel",
+        "A fastener of a plugin gave a feature that lies off its panel.",
+        "The message says how far; the feature is left out.",
+    ),
+    code(
         "fold-too-sharp",
         "Two panels meet at so small an angle that their chamfers have no end.",
         "The message gives the angle; make the surface smoother there, or the panels thinner.",
@@ -160,6 +165,12 @@ pub const CODES: &[Code] = &[
         "order_faces turns faces over until they agree.",
     ),
     code("mesh-not-manifold", "More than two faces meet at an edge.", "Split the mesh there."),
+    code("missing-output", "A node of a plugin left an output without a value.", "The plugin's maker has to mend it."),
+    code(
+        "missing-plugin",
+        "The graph requires a plugin that is not there, or one of another version.",
+        "The hint says where to put it.",
+    ),
     code(
         "no-operation",
         "There is nothing that a tool could do on a part.",
@@ -196,6 +207,11 @@ pub const CODES: &[Code] = &[
         "part-larger-than-board",
         "A part does not fit on an empty board; it was left out.",
         "The message gives both sizes; take larger boards, or make smaller panels.",
+    ),
+    code(
+        "plugin-fault",
+        "A plugin breaks its contract; the message says how.",
+        "Tell its maker; tenon plugin check shows what is wrong.",
     ),
     code(
         "polygon-not-flat",

@@ -3,6 +3,7 @@
 mod board;
 mod codes;
 mod curve;
+pub mod exchange;
 mod files;
 pub mod io;
 mod joint;
@@ -12,6 +13,7 @@ mod motion;
 mod number;
 mod panel;
 mod params;
+pub mod plugin;
 pub mod post;
 mod proof;
 mod text;

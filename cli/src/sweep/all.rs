@@ -105,8 +105,9 @@ fn evaluate(
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let first_fault = Mutex::new(None);
     let total = (before + rows.len()) as f64;
+    let registry = Arc::new(crate::plugins::registry()?);
     let work = || {
-        let mut bench = Bench::new(threads.max(1), crate::run::CACHE / jobs);
+        let mut bench = Bench::new(registry.clone(), threads.max(1), crate::run::CACHE / jobs);
         while !cancel.load(Ordering::Relaxed) {
             if first_fault.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
                 return;

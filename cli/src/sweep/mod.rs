@@ -39,7 +39,7 @@ fn run_row(args: &SweepRowArgs) -> Result<End, Wrong> {
     };
     output::prepare_folder(&args.out)?;
     let _lock = Lock::shared(&args.out)?;
-    let mut bench = Bench::new(args.threads.into(), crate::run::CACHE);
+    let mut bench = Bench::new(crate::plugins::registry()?.into(), args.threads.into(), crate::run::CACHE);
     // A plan of another graph is refused even where the result is there.
     bench.load(row)?;
     let found = row::found(&args.out, row, &mut Inputs::default());

@@ -30,7 +30,7 @@ pub fn make(args: &SweepPlanArgs) -> Result<End, Wrong> {
     let (file, mut document) = graph::load(&args.graph)?;
     let host = graph::Files::new(&file, HashSet::new());
     document.read_links(&host);
-    let registry = Arc::new(tenon_nodes::registry());
+    let registry = Arc::new(crate::plugins::registry_for(&document)?);
     let mut faults = document.validate(&registry);
     faults.retain(|d| d.severity == Severity::Error);
     if !faults.is_empty() {

@@ -40,8 +40,8 @@ pub struct RowResult {
 
 impl Bench {
     /// A session of so many threads (0: all there are) and so much memory for results, bytes.
-    pub fn new(threads: usize, cache_bytes: usize) -> Self {
-        Self { registry: Arc::new(tenon_nodes::registry()), threads, cache_bytes, loaded: None }
+    pub fn new(registry: Arc<Registry>, threads: usize, cache_bytes: usize) -> Self {
+        Self { registry, threads, cache_bytes, loaded: None }
     }
 
     /// Reads the row's graph, unless it is at hand.

@@ -51,7 +51,7 @@ fn suite(tested: &Tested, out: &mut String) {
 }
 
 /// Text for XML 1.0, in which most control characters cannot stand at all.
-fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

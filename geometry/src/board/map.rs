@@ -263,7 +263,7 @@ mod tests {
         let set = panel_set(&[slanted_quad(300.0, 110.0, 0.0, [0.0; 4])], 10.0, pose);
         let entry = set.front[0] + DVec3::new(20.0, 30.0, 0.0);
         let drill = Machining::Drill { entry, axis: DVec3::NEG_Z, depth: 5.0, diameter: 6.0 };
-        let feature = Feature { panel: 0, edge: None, joint: Some(4), purpose: "dowel", machining: drill };
+        let feature = Feature { panel: 0, edge: None, joint: Some(4), purpose: "dowel".into(), machining: drill };
         let features = FeatureSet { features: vec![feature], ..FeatureSet::default() };
         let (parts, _) = map_parts(&set, &features, &bare(Align::FirstEdge, GrainAxis::X, Up::Back));
         let Machining::Drill { entry, axis, .. } = parts.features.features[0].machining else { panic!() };

@@ -235,7 +235,7 @@ fn fix(
         taken.push(hole.to_vec());
         placed.push(p);
         let machining = Machining::Drill { entry: p.extend(t), axis: DVec3::NEG_Z, depth: t, diameter: rule.diameter };
-        features.push(Feature { panel: i as u32, edge: None, joint: None, purpose: "fixing", machining });
+        features.push(Feature { panel: i as u32, edge: None, joint: None, purpose: "fixing".into(), machining });
     }
     if placed.len() == rule.count as usize {
         return None;
@@ -291,7 +291,8 @@ fn engrave(
                         depth: rule.depth,
                         text,
                     };
-                    let feature = Feature { panel: i as u32, edge: None, joint: None, purpose: "address", machining };
+                    let feature =
+                        Feature { panel: i as u32, edge: None, joint: None, purpose: "address".into(), machining };
                     features.push(feature);
                     return None;
                 }
@@ -317,7 +318,7 @@ mod tests {
 
     fn drill(at: DVec2, axis: DVec3, depth: f64) -> Feature {
         let machining = Machining::Drill { entry: at.extend(0.0), axis, depth, diameter: 6.0 };
-        Feature { panel: 0, edge: None, joint: Some(0), purpose: "dowel", machining }
+        Feature { panel: 0, edge: None, joint: Some(0), purpose: "dowel".into(), machining }
     }
 
     fn map(shape: Shape, features: Vec<Feature>, params: &MapParams) -> (PartSet, Vec<MapIssue>) {

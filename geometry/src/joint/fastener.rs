@@ -1,13 +1,12 @@
 //! Fasteners laid along edges: spacing, matched holes in both panels, hardware (METHODS §6, 000 §6.4).
 
 use super::cover::{Hole, PanelPlanes, segment_distance};
+use super::edges::selects;
 use super::feature::{Feature, FeatureSet, Hardware, Machining};
 use super::issue::{FastenerError, JointIssue};
-use super::rule::{
-    Direction, EdgeSelection, Fastener, FastenerRule, Head, Height, Pin, PinKind, ShortEdge, Toe, ToeLength,
-};
+use super::rule::{Direction, Fastener, FastenerRule, Head, Height, Pin, PinKind, ShortEdge, Toe, ToeLength};
 use crate::board::Up;
-use crate::panel::{PanelSet, Side};
+use crate::panel::{EdgeRef, PanelSet};
 use crate::plane::Plane;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -157,14 +156,7 @@ impl Lay<'_> {
     fn edge(&mut self, rule: &FastenerRule, panel: u32, edge: u32) {
         let c = self.set.corners(panel as usize).start + edge as usize;
         let neighbour = self.set.neighbour[c];
-        let inner = neighbour.is_some();
-        let selected = match rule.edges {
-            EdgeSelection::All => true,
-            EdgeSelection::Inner => inner,
-            EdgeSelection::Border => !inner,
-            EdgeSelection::AlongRows => inner && matches!(self.set.side[c], Side::Bottom | Side::Top),
-            EdgeSelection::AcrossRows => inner && matches!(self.set.side[c], Side::Left | Side::Right),
-        };
+        let selected = selects(self.set, rule.edges, EdgeRef { panel, edge });
         // Once per edge: by the panel that comes first.
         if !selected || neighbour.is_some_and(|n| (n.panel, n.edge) < (panel, edge)) {
             return;
@@ -400,7 +392,7 @@ fn drill(half: Half, hole: &Hole, depth: f64, purpose: &'static str) -> Feature 
         panel: half.panel,
         edge: Some(half.edge),
         joint: None,
-        purpose,
+        purpose: purpose.into(),
         machining: Machining::Drill { entry: hole.entry, axis: hole.axis, depth, diameter: 2.0 * hole.radius },
     }
 }

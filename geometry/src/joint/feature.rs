@@ -1,6 +1,7 @@
 //! Machining features: what is to be cut into a panel, said without saying how.
 
 use glam::DVec3;
+use std::borrow::Cow;
 
 /// A machining feature in the coordinates of its panel set.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,7 +73,7 @@ pub struct Feature {
     /// Joint number shared by the features that must meet in space; `None` for a feature that stands alone.
     pub joint: Option<u32>,
     /// What it is for: "toe screw", "toe dowel", "screw", "dowel", "fixing", "address".
-    pub purpose: &'static str,
+    pub purpose: Cow<'static, str>,
     /// The shape.
     pub machining: Machining,
 }

@@ -1,6 +1,7 @@
 //! Joints: machining features, fasteners along edges, hardware, reach.
 
 mod cover;
+mod edges;
 mod fastener;
 mod feature;
 mod issue;
@@ -9,6 +10,7 @@ mod rule;
 #[cfg(test)]
 mod tests;
 
+pub use edges::{JointEdge, Misplaced, select_edges, take_misplaced};
 pub use fastener::{DOWEL_LENGTHS, SCREW_LENGTHS, lay_all, lay_fasteners};
 pub use feature::{Feature, FeatureSet, Hardware, Machining};
 pub use issue::{FastenerError, JointIssue};

@@ -7,6 +7,7 @@ use crate::machine::{KinematicsError, Machine, Revolved, Tool, ToolKind};
 use crate::panel::PanelSet;
 use crate::plane::Plane;
 use glam::DVec3;
+use std::borrow::Cow;
 
 /// What is done with a feature that the machine cannot reach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,7 +115,7 @@ pub struct ReachIssue {
     /// Joint number, if any.
     pub joint: Option<u32>,
     /// Purpose of the feature.
-    pub purpose: &'static str,
+    pub purpose: Cow<'static, str>,
     /// Whether it went to the list of hand work; otherwise it was left out, and the issue is fatal.
     pub by_hand: bool,
     /// The reason, for the tool that comes nearest.
@@ -139,7 +140,8 @@ pub fn check_reach(
             Ok(()) => out.features.push(feature),
             Err(cause) => {
                 let by_hand = rule.out_of_reach == OutOfReach::ByHand;
-                let Feature { panel, edge, joint, purpose, .. } = feature;
+                let Feature { panel, edge, joint, .. } = feature;
+                let purpose = feature.purpose.clone();
                 issues.push(ReachIssue { panel, edge, joint, purpose, by_hand, cause });
                 if by_hand {
                     out.by_hand.push(feature);

@@ -105,7 +105,7 @@ fn dowels_and_screws_on_a_thick_shell() {
         assert_coaxial(&laid);
         for f in &laid.features {
             let (_, axis, depth, diameter) = hole(f);
-            assert_eq!((depth, diameter, f.purpose), (21.0, 6.0, "dowel"));
+            assert_eq!((depth, diameter, &*f.purpose), (21.0, 6.0, "dowel"));
             let c = set.corners(f.panel as usize).start + f.edge.unwrap() as usize;
             assert!(axis.dot(set.chamfer[c].normal) < -0.9);
             if direction == Direction::ChamferNormal {

@@ -19,7 +19,8 @@ pub struct Mesh {
 
 /// A face's or panel's place in the structure (000 §6.2): row from the bottom, column from the left, both from 0.
 /// A mesh of several grid patches counts them; a mesh that is no grid has `row = 0` and its face index as column.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Address {
     /// Grid patch, 0 on a plain grid.
     pub patch: u32,

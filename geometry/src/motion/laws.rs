@@ -286,7 +286,7 @@ fn a_bad_machine_or_parameter_is_refused_as_a_whole() {
 fn drilled(entry: DVec3, axis: DVec3, depth: f64, diameter: f64) -> PartSet {
     let mut parts = part([0.0; 4], 0.0, Up::Front, 10.0);
     let machining = Machining::Drill { entry, axis, depth, diameter };
-    parts.features.features.push(Feature { panel: 0, edge: None, joint: None, purpose: "toe screw", machining });
+    parts.features.features.push(Feature { panel: 0, edge: None, joint: None, purpose: "toe screw".into(), machining });
     parts
 }
 

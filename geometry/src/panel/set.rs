@@ -19,7 +19,8 @@ pub struct EdgeRef {
 }
 
 /// Which side of the ordered grid an edge faces; `Other` on meshes that are no grid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, bytemuck::NoUninit, bytemuck::CheckedBitPattern)]
+#[repr(u8)]
 pub enum Side {
     /// v1 v2.
     Bottom,

@@ -54,7 +54,13 @@ fn panel(set: &mut PanelSet, void: [f64; 2]) {
 
 /// The panels as parts, with a toe hole, a fixing hole, an address and a slot.
 pub fn parts() -> PartSet {
-    let feature = |panel, edge, purpose, machining| Feature { panel, edge, joint: edge, purpose, machining };
+    let feature = |panel, edge, purpose: &'static str, machining| Feature {
+        panel,
+        edge,
+        joint: edge,
+        purpose: purpose.into(),
+        machining,
+    };
     let toe = Machining::Drill {
         entry: DVec3::new(100.0, 5.0, D),
         axis: DVec3::new(0.0, -0.5_f64.sqrt(), -0.5_f64.sqrt()),

@@ -3,6 +3,7 @@
 use super::drawing::{DrawingError, by_part};
 use super::lines::{document, json};
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use tenon_geometry::DVec3;
 use tenon_geometry::board::{Layout, PartSet, Placement};
@@ -63,7 +64,7 @@ struct Edge {
 
 #[derive(Serialize)]
 struct Hole {
-    purpose: &'static str,
+    purpose: Cow<'static, str>,
     diameter: f64,
     depth: f64,
     entry: DVec3,
@@ -134,7 +135,7 @@ fn edges(panels: &PanelSet, i: usize) -> Vec<Edge> {
 
 fn hole(f: &Feature, by_hand: bool) -> Option<Hole> {
     let Machining::Drill { entry, axis, depth, diameter } = f.machining else { return None };
-    Some(Hole { purpose: f.purpose, diameter, depth, entry, axis, edge: f.edge, joint: f.joint, by_hand })
+    Some(Hole { purpose: f.purpose.clone(), diameter, depth, entry, axis, edge: f.edge, joint: f.joint, by_hand })
 }
 
 /// Writes the piece list as JSON, one piece a line, shortest round-trip numbers; mm, mm², mm³, degrees.

@@ -10,7 +10,7 @@ use tenon_geometry::joint::{
 };
 use tenon_geometry::panel::PanelSet;
 
-pub(super) fn node() -> NodeType {
+pub(crate) fn node() -> NodeType {
     let length = |name: &'static str, default: f64, doc: &'static str| {
         Port::item::<f64>(name).unit(Unit::Length).range(0.0, 1e4).default(default).doc(doc)
     };
@@ -54,27 +54,31 @@ pub(super) fn node() -> NodeType {
 fn run(c: &mut Call) -> Result<(), Fail> {
     let rule = rule(c)?;
     let panels = c.item::<V<PanelSet>>("panels")?;
-    let (mut features, issues) = lay_fasteners(panels, &rule).map_err(|e| rule_fail(&e))?;
+    let (features, issues) = lay_fasteners(panels, &rule).map_err(|e| rule_fail(&e))?;
     for issue in &issues {
         if issue.is_fatal() { c.report(issue_fail(panels, issue)) } else { c.warn(issue_fail(panels, issue)) }
     }
-    if let Some(machine) = c.optional::<V<MachineFile>>("machine") {
-        let by_hand = c.text("out_of_reach")? == "by hand";
-        let reach = ReachRule {
-            out_of_reach: if by_hand { OutOfReach::ByHand } else { OutOfReach::Refuse },
-            ..ReachRule::new(up(c)?)
-        };
-        let (reached, issues) = check_reach(panels, features, &machine.machine, &reach);
-        features = reached;
-        for issue in &issues {
-            let message = with_address(panels, issue.panel, issue);
-            let fail = Fail::new("feature-out-of-reach", message).port("machine").item(issue.panel as usize);
-            if issue.by_hand { c.warn(fail) } else { c.report(fail) }
-        }
-    }
+    let features = reached(c, panels, features)?;
     c.set("count", features.hardware.iter().map(|h| h.count as i64).sum::<i64>());
     c.set("features", V::new(features));
     Ok(())
+}
+
+/// Sorts out what the machine cannot reach, if there is one at "machine", as "out_of_reach" says.
+pub(crate) fn reached(c: &mut Call, panels: &PanelSet, features: FeatureSet) -> Result<FeatureSet, Fail> {
+    let Some(machine) = c.optional::<V<MachineFile>>("machine") else { return Ok(features) };
+    let by_hand = c.text("out_of_reach")? == "by hand";
+    let reach = ReachRule {
+        out_of_reach: if by_hand { OutOfReach::ByHand } else { OutOfReach::Refuse },
+        ..ReachRule::new(up(c)?)
+    };
+    let (features, issues) = check_reach(panels, features, &machine.machine, &reach);
+    for issue in &issues {
+        let message = with_address(panels, issue.panel, issue);
+        let fail = Fail::new("feature-out-of-reach", message).port("machine").item(issue.panel as usize);
+        if issue.by_hand { c.warn(fail) } else { c.report(fail) }
+    }
+    Ok(features)
 }
 
 fn rule(c: &Call) -> Result<FastenerRule, Fail> {
@@ -98,19 +102,9 @@ fn rule(c: &Call) -> Result<FastenerRule, Fail> {
     };
     let height = c.number("height")?;
     Ok(FastenerRule {
-        edges: match c.text("edges")? {
-            "all" => EdgeSelection::All,
-            "border" => EdgeSelection::Border,
-            "along rows" => EdgeSelection::AlongRows,
-            "across rows" => EdgeSelection::AcrossRows,
-            _ => EdgeSelection::Inner,
-        },
+        edges: edges(c)?,
         fastener,
-        head: match c.text("head")? {
-            "lower address" => Head::LowerAddress,
-            "higher address" => Head::HigherAddress,
-            _ => Head::Alternate,
-        },
+        head: head(c)?,
         height: if height < 0.0 { Height::Balanced } else { Height::At(height) },
         end_distance: c.number("end_distance")?,
         spacing: c.number("spacing")?,
@@ -118,6 +112,26 @@ fn rule(c: &Call) -> Result<FastenerRule, Fail> {
         short_edge: if c.text("short_edge")? == "nothing" { ShortEdge::Nothing } else { ShortEdge::Middle },
         cover: c.number("cover")?,
         ..FastenerRule::toe_screws(up)
+    })
+}
+
+/// Which edges "edges" says.
+pub(crate) fn edges(c: &Call) -> Result<EdgeSelection, Fail> {
+    Ok(match c.text("edges")? {
+        "all" => EdgeSelection::All,
+        "border" => EdgeSelection::Border,
+        "along rows" => EdgeSelection::AlongRows,
+        "across rows" => EdgeSelection::AcrossRows,
+        _ => EdgeSelection::Inner,
+    })
+}
+
+/// Which panel "head" says.
+pub(crate) fn head(c: &Call) -> Result<Head, Fail> {
+    Ok(match c.text("head")? {
+        "lower address" => Head::LowerAddress,
+        "higher address" => Head::HigherAddress,
+        _ => Head::Alternate,
     })
 }
 

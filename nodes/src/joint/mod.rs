@@ -1,6 +1,6 @@
 //! Nodes for joints.
 
-mod detail;
+pub(crate) mod detail;
 
 use tenon_engine::NodeType;
 

@@ -45,7 +45,7 @@ fn digest_feature(f: &Feature, d: &mut Digester) {
     d.u32(f.panel);
     d.u32(f.edge.unwrap_or(u32::MAX));
     d.u32(f.joint.unwrap_or(u32::MAX));
-    d.str(f.purpose);
+    d.str(&f.purpose);
     match &f.machining {
         Machining::Drill { entry, axis, depth, diameter } => {
             d.u8(0);

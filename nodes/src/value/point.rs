@@ -6,11 +6,13 @@ use tenon_engine::{Digester, Item, Json};
 use tenon_geometry::{DVec3, Plane};
 
 /// A point, mm. JSON `[x, y, z]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
 pub struct Point(pub DVec3);
 
 /// A vector, mm where it is a length. JSON `[x, y, z]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
 pub struct Vector(pub DVec3);
 
 /// Reads `[x, y]` or `[x, y, z]` with finite numbers.

@@ -1,0 +1,401 @@
+// Tenon in other programs. Generated from the Rust source; do not edit.
+//
+// Rules
+// - Functions that can fail give NULL when all is well, otherwise a tenon_error that the caller frees. What they were
+//   to write is then not written.
+// - Handles (tenon_engine, tenon_graph, tenon_result, tenon_text, tenon_error) are freed by their own function, each once
+//   and in any order. A handle that was freed or is of another kind is an error, not a crash.
+// - Every function may be called from any thread. Calls with the same graph wait for one another, except cancel.
+// - Texts given in are NUL-terminated UTF-8 unless a length is asked for. Texts given out are tenon_str: not terminated.
+// - Structs begin with their size. Who makes a struct sets it; later versions add fields at the end only.
+// - Nothing is freed across: what a handle gives is good until that handle is freed, and is read-only.
+// - No function throws or aborts, and callbacks must not throw.
+// What this contract cannot prevent: reading a result's arrays after it was freed, and pointers that point nowhere.
+
+#ifndef TENON_H
+#define TENON_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include "tenon_value.h"
+
+// Node types and settings. Free it with `tenon_engine_free`; graphs that were loaded with it live on.
+typedef struct tenon_engine tenon_engine;
+
+// Why a call failed. Functions that can fail give NULL when all is well, otherwise one of these, which the caller
+// frees with `tenon_error_free`.
+typedef struct tenon_error tenon_error;
+
+// One graph being worked on. Free it with `tenon_graph_free`. Any thread may call with it; calls wait for one another,
+// and while one evaluates only `tenon_graph_cancel` goes ahead.
+typedef struct tenon_graph tenon_graph;
+
+// What an evaluation came to. Free it with `tenon_result_free`; what was read from it is good until then, also when the
+// graph and the engine are gone.
+typedef struct tenon_result tenon_result;
+
+// A text made for the caller, who frees it with `tenon_text_free`.
+typedef struct tenon_text tenon_text;
+
+// Settings of an engine. Set `size` to `sizeof(tenon_engine_config)` and the rest to 0 for the defaults.
+typedef struct tenon_engine_config {
+  // Bytes of this struct.
+  uint32_t size;
+  // Threads per graph; 0: as many as the machine has. Results do not depend on it.
+  uint32_t threads;
+  // Memory for remembered results per graph, bytes; 0: 1 GiB.
+  uint64_t cache_bytes;
+  // Paths of plugins to load, NUL-terminated UTF-8; one that is refused is an error.
+  const char *const *plugins;
+  // Number of `plugins`.
+  uint64_t plugin_count;
+  // 1: also load the plugins in the folders of `TENON_PLUGIN_PATH` and in the user's folder; those that are refused
+  // are left out, and graphs that need them say so.
+  uint32_t search;
+  // 0.
+  uint32_t flags;
+} tenon_engine_config;
+
+// What an interface lists: its inputs or its outputs.
+typedef uint32_t tenon_side_of_graph;
+
+// How to evaluate. Set `size` to `sizeof(tenon_evaluate_options)` and the rest to 0 or NULL for the defaults.
+typedef struct tenon_evaluate_options {
+  // Bytes of this struct.
+  uint32_t size;
+  // 0.
+  uint32_t flags;
+  // Given to `progress` as it is.
+  void *context;
+  // Called at most about 30 times a second with the fraction done, 0 to 1, and the node at work, from threads of the
+  // library, one call at a time. Giving 0 cancels. It must not call the library with the same graph, except
+  // `tenon_graph_cancel`, and must not throw.
+  int32_t (*progress)(void *context, double fraction, tenon_str node);
+} tenon_evaluate_options;
+
+// What is wrong, and where. Texts are good until the result is freed; what is not known is empty.
+typedef struct tenon_diagnostic {
+  // Bytes of this struct; set it before the call.
+  uint32_t size;
+  // `TENON_NOTE`, `TENON_WARNING`, `TENON_ERROR`.
+  tenon_severity severity;
+  // A stable name in kebab-case.
+  tenon_str code;
+  // A sentence for people.
+  tenon_str message;
+  // What would fix it.
+  tenon_str hint;
+  // Node.
+  tenon_str node;
+  // Port of the node.
+  tenon_str port;
+  // Index of the item, or UINT64_MAX.
+  uint64_t item;
+} tenon_diagnostic;
+
+// One node in an evaluation. Texts are good until the result is freed.
+typedef struct tenon_node_report {
+  // Bytes of this struct; set it before the call.
+  uint32_t size;
+  // 0.
+  uint32_t flags;
+  // What happened to it: "executed", "cut-off" (its inputs are the same as before), "memo" (its result was
+  // remembered), "blocked", "failed", "frozen", "disabled"; later versions may add words.
+  tenon_str happened;
+  // Its id.
+  tenon_str node;
+  // Its node type.
+  tenon_str type_name;
+  // Time that it ran, ns.
+  uint64_t nanoseconds;
+  // Bytes of its outputs.
+  uint64_t bytes;
+} tenon_node_report;
+
+// Inputs.
+#define TENON_INPUTS 0
+
+// Outputs.
+#define TENON_OUTPUTS 1
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// The kind of error, `TENON_BAD_ARGUMENT` and so on; `TENON_OK` for NULL. [any thread]
+tenon_status tenon_error_status(const struct tenon_error *error);
+
+// A sentence for people, good until the error is freed; empty for NULL. [any thread]
+tenon_str tenon_error_message(const struct tenon_error *error);
+
+// The node concerned, good until the error is freed; empty if there is none. [any thread]
+tenon_str tenon_error_node(const struct tenon_error *error);
+
+// Frees an error. NULL and errors that were freed before do nothing. [any thread]
+void tenon_error_free(struct tenon_error *error);
+
+// Number of handles of all kinds that were given and not freed yet: 0 at the end of a host that frees everything.
+// [any thread]
+uint64_t tenon_handle_count(void);
+
+// The text, good until it is freed; empty for NULL or a freed one. [any thread]
+tenon_str tenon_text_get(const struct tenon_text *text);
+
+// Frees a text. NULL and texts that were freed before do nothing. [any thread]
+void tenon_text_free(struct tenon_text *text);
+
+// Makes an engine with every built-in node type and those of plugins. `config` may be NULL. Fails if an argument is
+// wrong or a plugin is refused. [any thread]
+struct tenon_error *tenon_engine_new(const struct tenon_engine_config *config,
+                                     struct tenon_engine **out);
+
+// Frees an engine. NULL and engines that were freed before do nothing. [any thread]
+void tenon_engine_free(struct tenon_engine *engine);
+
+// Describes a node type as JSON: name, doc, ports with type, unit, range and default; all node types as a list if
+// `type_name` is NULL. [any thread]
+struct tenon_error *tenon_engine_describe(const struct tenon_engine *engine,
+                                          const char *type_name,
+                                          struct tenon_text **out);
+
+// Loads a graph from the `length` bytes of a `*.tenon.json` file. `folder` is where files that nodes name are looked
+// for; with NULL there are none. Node types that nobody knows are kept as they stand and are told by evaluation. Fails
+// if the text is no graph, with line and column, or requires plugins that are not there. [any thread]
+struct tenon_error *tenon_graph_load(const struct tenon_engine *engine,
+                                     const char *json,
+                                     uint64_t length,
+                                     const char *folder,
+                                     struct tenon_graph **out);
+
+// Frees a graph; results that it gave live on. An evaluation that runs is finished first. NULL and graphs that were
+// freed before do nothing. [any thread]
+void tenon_graph_free(struct tenon_graph *graph);
+
+// The graph as text in the canonical form, with all values set so far. [any thread]
+struct tenon_error *tenon_graph_save(const struct tenon_graph *graph, struct tenon_text **out);
+
+// Gives an interface input or a parameter (`node.port`) the value that the JSON text says; `null` brings the default
+// back. Nothing is evaluated, so many can be set at once; the same value as before costs nothing later. Fails, with
+// nothing changed, if the name is not known, the port has a wire, or the value is not accepted. [any thread]
+struct tenon_error *tenon_graph_set(struct tenon_graph *graph,
+                                    const char *name,
+                                    const char *json);
+
+// The same with a number. [any thread]
+struct tenon_error *tenon_graph_set_number(struct tenon_graph *graph, const char *name, double value);
+
+// Adds a node. Fails if the id is taken or has a dot in it. [any thread]
+struct tenon_error *tenon_graph_add_node(struct tenon_graph *graph, const char *id, const char *type_name);
+
+// Removes a node and the wires from it. [any thread]
+struct tenon_error *tenon_graph_remove_node(struct tenon_graph *graph, const char *id);
+
+// Wires `from` (`node.port`) to the input `port` of `node`, behind the wires that it has. [any thread]
+struct tenon_error *tenon_graph_connect(struct tenon_graph *graph,
+                                        const char *from,
+                                        const char *node,
+                                        const char *port);
+
+// Takes a wire away. [any thread]
+struct tenon_error *tenon_graph_disconnect(struct tenon_graph *graph,
+                                           const char *from,
+                                           const char *node,
+                                           const char *port);
+
+// Describes the interface as JSON: a list of objects with `name`, `doc`, `unit`, `ports` and, for inputs, `min`, `max`;
+// in order of their names. [any thread]
+struct tenon_error *tenon_graph_interface(const struct tenon_graph *graph,
+                                          tenon_side_of_graph side,
+                                          struct tenon_text **out);
+
+// Evaluates `count` outputs, each an interface output or `node.port`; with `count` 0 every interface output and every
+// node that makes files. Only what changed runs. Waits until it is done. The result holds what the outputs are now and
+// stays as it is whatever happens to the graph later; the caller frees it. That nodes failed is no error of this call:
+// the result says it. Fails if an argument is wrong. [any thread]
+struct tenon_error *tenon_graph_evaluate(struct tenon_graph *graph,
+                                         const char *const *outputs,
+                                         uint64_t count,
+                                         const struct tenon_evaluate_options *options,
+                                         struct tenon_result **out);
+
+// Stops the evaluation of this graph that runs, if one does: its result says that it was cancelled, and the graph is as
+// it was before. [any thread, also while the graph is evaluated]
+void tenon_graph_cancel(const struct tenon_graph *graph);
+
+// Frees a result and with it everything that was read from it. NULL and results that were freed before do nothing.
+// [any thread]
+void tenon_result_free(struct tenon_result *result);
+
+// `TENON_OK`, `TENON_FAILED` if a diagnostic is an error, or `TENON_CANCELLED`. [any thread]
+tenon_status tenon_result_status(const struct tenon_result *result);
+
+// Fills `out` with an output that was asked for. Nothing is copied; the arrays are read-only and good until the result
+// is freed. Set `out->size` before. Fails if there is no such output. [any thread]
+struct tenon_error *tenon_result_output(const struct tenon_result *result,
+                                        const char *name,
+                                        tenon_tree *out);
+
+// An output as JSON, for types that do not cross as C structs and for looking at values. [any thread]
+struct tenon_error *tenon_result_json(const struct tenon_result *result,
+                                      const char *name,
+                                      struct tenon_text **out);
+
+// Number of diagnostics; 0 for a result that is no result. [any thread]
+uint64_t tenon_result_diagnostic_count(const struct tenon_result *result);
+
+// Fills `out` with diagnostic `index`. [any thread]
+struct tenon_error *tenon_result_diagnostic(const struct tenon_result *result,
+                                            uint64_t index,
+                                            struct tenon_diagnostic *out);
+
+// Number of nodes that were looked at. [any thread]
+uint64_t tenon_result_node_count(const struct tenon_result *result);
+
+// Fills `out` with node `index`, in order of evaluation. [any thread]
+struct tenon_error *tenon_result_node(const struct tenon_result *result,
+                                      uint64_t index,
+                                      struct tenon_node_report *out);
+
+// Version of this interface: major in the upper 16 bits, minor in the lower. Another major does not fit; a greater
+// minor only adds. [any thread]
+uint32_t tenon_version(void);
+
+// Makes an engine with every built-in node type and those of plugins. `config` may be NULL. Fails if an argument is
+// wrong or a plugin is refused. [any thread]
+struct tenon_error *tenon_engine_new(const struct tenon_engine_config *config,
+                                     struct tenon_engine **out);
+
+// Frees an engine. NULL and engines that were freed before do nothing. [any thread]
+void tenon_engine_free(struct tenon_engine *engine);
+
+// Describes a node type as JSON: name, doc, ports with type, unit, range and default; all node types as a list if
+// `type_name` is NULL. [any thread]
+struct tenon_error *tenon_engine_describe(const struct tenon_engine *engine,
+                                          const char *type_name,
+                                          struct tenon_text **out);
+
+// The kind of error, `TENON_BAD_ARGUMENT` and so on; `TENON_OK` for NULL. [any thread]
+tenon_status tenon_error_status(const struct tenon_error *error);
+
+// A sentence for people, good until the error is freed; empty for NULL. [any thread]
+tenon_str tenon_error_message(const struct tenon_error *error);
+
+// The node concerned, good until the error is freed; empty if there is none. [any thread]
+tenon_str tenon_error_node(const struct tenon_error *error);
+
+// Frees an error. NULL and errors that were freed before do nothing. [any thread]
+void tenon_error_free(struct tenon_error *error);
+
+// Number of handles of all kinds that were given and not freed yet: 0 at the end of a host that frees everything.
+// [any thread]
+uint64_t tenon_handle_count(void);
+
+// Loads a graph from the `length` bytes of a `*.tenon.json` file. `folder` is where files that nodes name are looked
+// for; with NULL there are none. Node types that nobody knows are kept as they stand and are told by evaluation. Fails
+// if the text is no graph, with line and column, or requires plugins that are not there. [any thread]
+struct tenon_error *tenon_graph_load(const struct tenon_engine *engine,
+                                     const char *json,
+                                     uint64_t length,
+                                     const char *folder,
+                                     struct tenon_graph **out);
+
+// Frees a graph; results that it gave live on. An evaluation that runs is finished first. NULL and graphs that were
+// freed before do nothing. [any thread]
+void tenon_graph_free(struct tenon_graph *graph);
+
+// The graph as text in the canonical form, with all values set so far. [any thread]
+struct tenon_error *tenon_graph_save(const struct tenon_graph *graph, struct tenon_text **out);
+
+// Gives an interface input or a parameter (`node.port`) the value that the JSON text says; `null` brings the default
+// back. Nothing is evaluated, so many can be set at once; the same value as before costs nothing later. Fails, with
+// nothing changed, if the name is not known, the port has a wire, or the value is not accepted. [any thread]
+struct tenon_error *tenon_graph_set(struct tenon_graph *graph,
+                                    const char *name,
+                                    const char *json);
+
+// The same with a number. [any thread]
+struct tenon_error *tenon_graph_set_number(struct tenon_graph *graph, const char *name, double value);
+
+// Adds a node. Fails if the id is taken or has a dot in it. [any thread]
+struct tenon_error *tenon_graph_add_node(struct tenon_graph *graph, const char *id, const char *type_name);
+
+// Removes a node and the wires from it. [any thread]
+struct tenon_error *tenon_graph_remove_node(struct tenon_graph *graph, const char *id);
+
+// Wires `from` (`node.port`) to the input `port` of `node`, behind the wires that it has. [any thread]
+struct tenon_error *tenon_graph_connect(struct tenon_graph *graph,
+                                        const char *from,
+                                        const char *node,
+                                        const char *port);
+
+// Takes a wire away. [any thread]
+struct tenon_error *tenon_graph_disconnect(struct tenon_graph *graph,
+                                           const char *from,
+                                           const char *node,
+                                           const char *port);
+
+// Describes the interface as JSON: a list of objects with `name`, `doc`, `unit`, `ports` and, for inputs, `min`, `max`;
+// in order of their names. [any thread]
+struct tenon_error *tenon_graph_interface(const struct tenon_graph *graph,
+                                          tenon_side_of_graph side,
+                                          struct tenon_text **out);
+
+// Evaluates `count` outputs, each an interface output or `node.port`; with `count` 0 every interface output and every
+// node that makes files. Only what changed runs. Waits until it is done. The result holds what the outputs are now and
+// stays as it is whatever happens to the graph later; the caller frees it. That nodes failed is no error of this call:
+// the result says it. Fails if an argument is wrong. [any thread]
+struct tenon_error *tenon_graph_evaluate(struct tenon_graph *graph,
+                                         const char *const *outputs,
+                                         uint64_t count,
+                                         const struct tenon_evaluate_options *options,
+                                         struct tenon_result **out);
+
+// Stops the evaluation of this graph that runs, if one does: its result says that it was cancelled, and the graph is as
+// it was before. [any thread, also while the graph is evaluated]
+void tenon_graph_cancel(const struct tenon_graph *graph);
+
+// Frees a result and with it everything that was read from it. NULL and results that were freed before do nothing.
+// [any thread]
+void tenon_result_free(struct tenon_result *result);
+
+// `TENON_OK`, `TENON_FAILED` if a diagnostic is an error, or `TENON_CANCELLED`. [any thread]
+tenon_status tenon_result_status(const struct tenon_result *result);
+
+// Fills `out` with an output that was asked for. Nothing is copied; the arrays are read-only and good until the result
+// is freed. Set `out->size` before. Fails if there is no such output. [any thread]
+struct tenon_error *tenon_result_output(const struct tenon_result *result,
+                                        const char *name,
+                                        tenon_tree *out);
+
+// An output as JSON, for types that do not cross as C structs and for looking at values. [any thread]
+struct tenon_error *tenon_result_json(const struct tenon_result *result,
+                                      const char *name,
+                                      struct tenon_text **out);
+
+// Number of diagnostics; 0 for a result that is no result. [any thread]
+uint64_t tenon_result_diagnostic_count(const struct tenon_result *result);
+
+// Fills `out` with diagnostic `index`. [any thread]
+struct tenon_error *tenon_result_diagnostic(const struct tenon_result *result,
+                                            uint64_t index,
+                                            struct tenon_diagnostic *out);
+
+// Number of nodes that were looked at. [any thread]
+uint64_t tenon_result_node_count(const struct tenon_result *result);
+
+// Fills `out` with node `index`, in order of evaluation. [any thread]
+struct tenon_error *tenon_result_node(const struct tenon_result *result,
+                                      uint64_t index,
+                                      struct tenon_node_report *out);
+
+// The text, good until it is freed; empty for NULL or a freed one. [any thread]
+tenon_str tenon_text_get(const struct tenon_text *text);
+
+// Frees a text. NULL and texts that were freed before do nothing. [any thread]
+void tenon_text_free(struct tenon_text *text);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* TENON_H */

@@ -1,0 +1,85 @@
+//! Hosts in C and C++ against the library that was just built, plain, under AddressSanitizer and under valgrind.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
+
+/// The folder that holds the shared library: that of this test or one above it.
+fn library() -> PathBuf {
+    let test = std::env::current_exe().unwrap();
+    let name = format!("{}tenon{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let folder = test.ancestors().skip(1).take(2).find(|f| f.join(&name).exists());
+    folder.unwrap_or_else(|| panic!("no {name} near {}", test.display())).to_owned()
+}
+
+/// Compiles a host with all warnings as errors, and gives the program.
+#[track_caller]
+fn compile(source: &str, extra: &[&str]) -> PathBuf {
+    let (compiler, standard) = if source.ends_with(".cpp") { ("c++", "-std=c++17") } else { ("cc", "-std=c11") };
+    let name = format!("{}{}", source.replace('.', "_"), extra.join(""));
+    let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let library = library();
+    let done = Command::new(compiler)
+        .args([standard, "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-g", "-O1"])
+        .args(extra)
+        .arg("-I")
+        .arg(root().join("capi/include"))
+        .arg("-I")
+        .arg(root().join("plugin-sdk/include"))
+        .arg(root().join("tests/hosts").join(source))
+        .arg("-o")
+        .arg(&program)
+        .arg("-L")
+        .arg(&library)
+        .args(["-ltenon", "-lm", "-lpthread"])
+        .arg(format!("-Wl,-rpath,{}", library.display()))
+        .output()
+        .unwrap();
+    assert!(done.status.success(), "{source}: {}", String::from_utf8_lossy(&done.stderr));
+    program
+}
+
+/// Runs a host on the graph of 256 panels; it checks everything itself and gives 0 when all is well.
+#[track_caller]
+fn run(mut command: Command) -> String {
+    let done = command.arg(root().join("graphs/shell-256/shell-256.tenon.json")).output().unwrap();
+    let (out, err) = (String::from_utf8_lossy(&done.stdout), String::from_utf8_lossy(&done.stderr));
+    assert!(done.status.success(), "{command:?}: {}\n{out}\n{err}", done.status);
+    out.into_owned()
+}
+
+#[test]
+fn a_c_host_moves_a_control_point_a_hundred_times() {
+    let out = run(Command::new(compile("host.c", &[])));
+    assert!(out.contains("256 panels"), "{out}");
+}
+
+#[test]
+fn a_cpp_host_owns_what_it_gets() {
+    let out = run(Command::new(compile("host.cpp", &[])));
+    assert!(out.contains("256 panels"), "{out}");
+}
+
+#[test]
+fn both_hosts_are_clean_under_address_sanitizer() {
+    for source in ["host.c", "host.cpp"] {
+        let mut command = Command::new(compile(source, &["-fsanitize=address,undefined"]));
+        command.env("ASAN_OPTIONS", "detect_leaks=1:halt_on_error=1").env("UBSAN_OPTIONS", "halt_on_error=1");
+        run(command);
+    }
+}
+
+#[test]
+fn both_hosts_are_clean_under_valgrind() {
+    for source in ["host.c", "host.cpp"] {
+        let mut command = Command::new("valgrind");
+        command.args(["--quiet", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=definite,indirect"]);
+        command.args(["--errors-for-leak-kinds=definite,indirect"]);
+        // Few moves: every instruction is watched.
+        command.arg(compile(source, &[])).env("MOVES", "5");
+        run(command);
+    }
+}

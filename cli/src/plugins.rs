@@ -1,0 +1,123 @@
+//! Plugins on the command line: which are loaded for every command, and `tenon plugin list|info`.
+
+use crate::End;
+use crate::args::{PluginCommand, PluginInfoArgs, PluginListArgs};
+use crate::words::{Wrong, print, print_json};
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+use tenon_engine::{Diagnostic, Document, Json, Registry};
+use tenon_nodes::plugin::{Found, Plugin, PluginError, folders, load_all, user_folder};
+
+/// The libraries given by `--plugin`.
+static NAMED: OnceLock<Vec<PathBuf>> = OnceLock::new();
+
+/// Keeps the libraries given by `--plugin` for [`registry`].
+pub fn name(libraries: Vec<PathBuf>) {
+    let _ = NAMED.set(libraries);
+}
+
+fn search() -> Result<(Registry, Found), Wrong> {
+    let mut registry = tenon_nodes::registry();
+    let named = NAMED.get().map_or(&[][..], Vec::as_slice);
+    let found = load_all(&mut registry, named, &folders());
+    let found = found.map_err(|e: PluginError| Wrong::new("bad-plugin", format!("--plugin {e}")))?;
+    Ok((registry, found))
+}
+
+/// The built-in node types and those of the plugins. Libraries in folders that were refused are told on stderr.
+pub fn registry() -> Result<Registry, Wrong> {
+    let (registry, found) = search()?;
+    tell(&found);
+    Ok(registry)
+}
+
+/// The same for a graph: what it requires has to be there.
+pub fn registry_for(document: &Document) -> Result<Registry, Wrong> {
+    let (registry, missing) = registry_and_missing(document)?;
+    if missing.is_empty() {
+        return Ok(registry);
+    }
+    Err(Wrong::new("missing-plugin", "the graph needs plugins that are not there").because(missing))
+}
+
+/// The node types that there are, and what the graph requires besides.
+pub fn registry_and_missing(document: &Document) -> Result<(Registry, Vec<Diagnostic>), Wrong> {
+    let (registry, found) = search()?;
+    tell(&found);
+    let missing = found.missing(&document.requires);
+    Ok((registry, missing))
+}
+
+fn tell(found: &Found) {
+    for refused in &found.refused {
+        eprintln!("warning[bad-plugin]: {refused}");
+    }
+}
+
+/// `tenon plugin …`.
+pub fn plugin(command: &PluginCommand) -> Result<End, Wrong> {
+    match command {
+        PluginCommand::List(args) => list(args),
+        PluginCommand::Info(args) => info(args),
+        PluginCommand::Check(args) => crate::plugin_check::check(args),
+        PluginCommand::New(args) => crate::plugin_new::new(args),
+    }
+}
+
+fn summary(plugin: &Plugin) -> Json {
+    serde_json::json!({
+        "id": plugin.id,
+        "version": plugin.version,
+        "vendor": plugin.vendor,
+        "doc": plugin.doc,
+        "path": plugin.path.display().to_string(),
+        "nodes": plugin.nodes.iter().map(|n| n.id.as_str()).collect::<Vec<_>>(),
+    })
+}
+
+/// What is loaded, from where, and what was refused.
+fn list(args: &PluginListArgs) -> Result<End, Wrong> {
+    let (_, found) = search()?;
+    if args.json {
+        let refused: Vec<String> = found.refused.iter().map(ToString::to_string).collect();
+        let plugins: Vec<Json> = found.plugins.iter().map(|p| summary(p)).collect();
+        let places: Vec<String> = folders().iter().map(|f| f.display().to_string()).collect();
+        print_json(&serde_json::json!({ "plugins": plugins, "refused": refused, "folders": places }))?;
+    } else {
+        let mut out = String::new();
+        for p in &found.plugins {
+            let nodes: Vec<&str> = p.nodes.iter().map(|n| n.id.as_str()).collect();
+            let _ = writeln!(out, "{} {}  {}\n  {}", p.id, p.version, p.path.display(), nodes.join(", "));
+        }
+        for refused in &found.refused {
+            let _ = writeln!(out, "refused: {refused}");
+        }
+        if found.plugins.is_empty() {
+            let place = user_folder().map_or_else(|| "a folder".to_owned(), |f| f.display().to_string());
+            let _ = writeln!(out, "no plugins; libraries are looked for in {place} and in TENON_PLUGIN_PATH");
+        }
+        print(&out)?;
+    }
+    Ok(if found.refused.is_empty() { End::Done } else { End::Errors })
+}
+
+/// Everything that one library says of itself.
+fn info(args: &PluginInfoArgs) -> Result<End, Wrong> {
+    let mut registry = tenon_nodes::registry();
+    let plugin = tenon_nodes::plugin::load(&mut registry, &args.library);
+    let plugin = plugin.map_err(|e| Wrong::new("bad-plugin", e.to_string()))?;
+    let mut json = summary(&plugin);
+    let nodes = plugin.nodes.iter().filter_map(|n| registry.get(&n.id));
+    json["nodes"] = nodes.clone().map(|n| n.describe()).collect();
+    if args.json {
+        print_json(&json)?;
+    } else {
+        let mut out = format!("{} {} by {}\n{}\n", plugin.id, plugin.version, plugin.vendor, plugin.doc);
+        for node in nodes {
+            let _ = write!(out, "\n{}", crate::nodes::describe(&node.describe()));
+        }
+        print(&out)?;
+    }
+    Ok(End::Done)
+}

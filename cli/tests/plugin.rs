@@ -1,0 +1,293 @@
+//! Plugins: loaded, described, run in graphs, refused.
+
+use crate::tenon::{Folder, NUMBERS};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::process::Command;
+use std::sync::OnceLock;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
+
+/// Compiles C into a library.
+#[track_caller]
+fn compile(source: &Path, name: &str, extra: &[&str]) -> String {
+    let library = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name).with_extension(std::env::consts::DLL_EXTENSION);
+    let done = Command::new("cc")
+        .args(["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-shared", "-fPIC", "-I"])
+        .arg(root().join("plugin-sdk/include"))
+        .args(extra)
+        .arg(source)
+        .arg("-o")
+        .arg(&library)
+        .arg("-lm")
+        .output()
+        .unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    library.display().to_string()
+}
+
+fn hinges() -> &'static str {
+    static LIBRARY: OnceLock<String> = OnceLock::new();
+    LIBRARY.get_or_init(|| compile(&root().join("plugin-sdk/examples/fastener-c/hinge.c"), "hinges", &[]))
+}
+
+/// Builds an example in Rust, as its README says.
+#[track_caller]
+fn rust_example(package: &str) -> String {
+    let target = Path::new(env!("CARGO_BIN_EXE_tenon")).parent().unwrap().parent().unwrap();
+    let done = Command::new(env!("CARGO"))
+        .args(["build", "--quiet", "-p", package, "--target-dir"])
+        .arg(target)
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let name = format!("{}{}{}", std::env::consts::DLL_PREFIX, package.replace('-', "_"), std::env::consts::DLL_SUFFIX);
+    target.join("debug").join(name).display().to_string()
+}
+
+/// The graph of 256 panels with a fastener more, whose features join those of the screws.
+fn shell_with(node: Value) -> Vec<u8> {
+    let text = std::fs::read(root().join("graphs/shell-256/shell-256.tenon.json")).unwrap();
+    let mut graph: Value = serde_json::from_slice(&text).unwrap();
+    graph["nodes"]["more"] = node;
+    for reader in ["map", "hardware"] {
+        graph["nodes"][reader]["inputs"]["features"] = json!({ "from": ["more.features"] });
+    }
+    graph.to_string().into_bytes()
+}
+
+fn fastener(type_name: &str, params: Value) -> Vec<u8> {
+    let wires = json!({ "panels": { "from": ["thicken.panels"] }, "machine": { "from": ["machine.machine"] } });
+    shell_with(json!({ "type": type_name, "inputs": wires, "params": params }))
+}
+
+fn graph(node: Value) -> String {
+    json!({ "format": "tenon", "version": 1, "units": "mm", "nodes": { "n": node } }).to_string()
+}
+
+#[test]
+fn hinges_in_c_are_laid_on_every_edge_along_rows() {
+    let folder = Folder::with("g.tenon.json", fastener("hinges.butt_hinge", json!({ "edges": "along rows" })));
+    let ended = folder.tenon(&["run", "g.tenon.json", "--plugin", hinges(), "--get", "more.features"]).code(0);
+    let features = &ended.json()["branches"]["{0}"][0];
+    let drills = features["features"].as_array().unwrap();
+    // 16 columns of 15 inner edges along rows, each 130 to 390 mm long; two holes in either panel.
+    let hinges = features["hardware"][0]["count"].as_u64().unwrap();
+    assert!(hinges >= 240, "{}", features["hardware"]);
+    assert_eq!(features["hardware"][1], json!({ "name": "Screw 3 x 10", "count": 4 * hinges }));
+    assert_eq!(drills.len() as u64, 4 * hinges);
+    // The four holes of a hinge share a number and lie at the corners of a rectangle of 25 mm, 14 mm from the edge.
+    let first: Vec<&Value> = drills.iter().filter(|d| d["joint"] == 0).collect();
+    assert_eq!(first.len(), 4);
+    let at =
+        |d: &Value| d["shape"]["entry"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect::<Vec<_>>();
+    let distance = |a: &Value, b: &Value| at(a).iter().zip(at(b)).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt();
+    assert!((distance(first[0], first[1]) - 25.0).abs() < 1e-6);
+    assert_ne!(first[0]["panel"], first[2]["panel"]);
+}
+
+#[test]
+fn hinges_go_all_the_way_to_proven_programs() {
+    let folder = Folder::with("g.tenon.json", fastener("hinges.butt_hinge", json!({})));
+    let ended = folder.tenon(&["run", "g.tenon.json", "--plugin", hinges(), "--out", "out"]).code(0);
+    assert!(ended.stderr.is_empty() || !ended.stderr.contains("error"), "{ended:#?}");
+    assert!(folder.read("out/hardware.csv").contains("Butt hinge 40 x 40"));
+}
+
+#[test]
+fn a_fastener_and_a_curve_in_rust() {
+    let cams = rust_example("fastener-rust");
+    let folder = Folder::with("g.tenon.json", fastener("cams.cam_connector", json!({ "spacing": 1 })));
+    folder.tenon(&["run", "g.tenon.json", "--plugin", &cams, "--get", "more.count"]).code(1).says(&["spacing"]);
+    // The machine has no drill for the default housing.
+    folder.write("g.tenon.json", fastener("cams.cam_connector", json!({})));
+    let ended = folder.tenon(&["run", "g.tenon.json", "--plugin", &cams, "--get", "more.count"]).code(1);
+    ended.says(&["feature-out-of-reach", "cam: the machine has no drill of 15 mm"]);
+    folder.write("g.tenon.json", fastener("cams.cam_connector", json!({ "diameter": 8 })));
+    let count = folder.tenon(&["run", "g.tenon.json", "--plugin", &cams, "--get", "more.count"]).code(0).json();
+    assert!(count["branches"]["{0}"][0].as_u64().unwrap() >= 480, "{count}");
+    folder.write("g.tenon.json", fastener("cams.cam_connector", json!({ "depth": 12 })));
+    let ended = folder.tenon(&["run", "g.tenon.json", "--plugin", &cams, "--get", "more.count"]).code(1);
+    ended.says(&["bore-too-deep", "more.depth", "12 mm goes through panels of 10 mm"]);
+
+    let curves = rust_example("curve-rust");
+    folder.write(
+        "g.tenon.json",
+        graph(json!({ "type": "curves.helix", "params": { "radius": 100, "segments": 4, "pitch": "1 cm" } })),
+    );
+    let curve = folder.tenon(&["run", "g.tenon.json", "--plugin", &curves, "--get", "n.curve"]).code(0).json();
+    let points = &curve["branches"]["{0}"][0]["points"];
+    assert_eq!((points[0].clone(), points.as_array().unwrap().len()), (json!([100.0, 0.0, 0.0]), 5));
+    assert_eq!(points[4][2], 10.0);
+    // Lists iterate as with any node.
+    folder.write("g.tenon.json", graph(json!({ "type": "curves.helix", "params": { "radius": [1, 2, 3] } })));
+    let lengths = folder.tenon(&["run", "g.tenon.json", "--plugin", &curves, "--get", "n.length"]).code(0).json();
+    assert_eq!(lengths["branches"]["{0}"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn plugins_are_listed_described_and_found_in_folders() {
+    let folder = Folder::with("g.tenon.json", NUMBERS);
+    let info = folder.tenon(&["plugin", "info", hinges(), "--json"]).code(0).json();
+    assert_eq!((&info["id"], &info["nodes"][0]["type"]), (&json!("hinges"), &json!("hinges.butt_hinge")));
+    let list = folder.tenon(&["plugin", "list", "--json", "--plugin", hinges()]).code(0).json();
+    assert_eq!(list["plugins"][0]["nodes"], json!(["hinges.butt_hinge"]));
+    folder.tenon(&["nodes", "hinges.butt_hinge", "--plugin", hinges()]).code(0);
+    // A folder that the variable names; a relative one is not looked into.
+    let place = folder.0.join("plugins");
+    std::fs::create_dir(&place).unwrap();
+    std::fs::copy(hinges(), place.join("hinges.so")).unwrap();
+    std::fs::write(place.join("broken.so"), b"no library").unwrap();
+    let run = |path: &str| {
+        let mut tenon = Command::new(env!("CARGO_BIN_EXE_tenon"));
+        let tenon = tenon.args(["plugin", "list", "--json"]).current_dir(&folder.0).env("XDG_DATA_HOME", &folder.0);
+        let out = tenon.env("TENON_PLUGIN_PATH", path).output().unwrap();
+        serde_json::from_slice::<Value>(&out.stdout).unwrap()
+    };
+    let found = run(&place.display().to_string());
+    assert_eq!(
+        (found["plugins"].as_array().unwrap().len(), found["refused"].as_array().unwrap().len()),
+        (1, 1),
+        "{found}"
+    );
+    assert!(found["refused"][0].as_str().unwrap().contains("broken.so"));
+    assert_eq!(run("plugins:.:")["plugins"], json!([]));
+}
+
+#[test]
+fn a_graph_says_which_plugins_it_needs() {
+    let requires = |range: &str| {
+        let mut graph: Value = serde_json::from_slice(&fastener("hinges.butt_hinge", json!({}))).unwrap();
+        graph["requires"] = json!({ "hinges": range });
+        graph.to_string()
+    };
+    let folder = Folder::with("g.tenon.json", requires(">=1, <2"));
+    folder.tenon(&["check", "g.tenon.json", "--plugin", hinges()]).code(0);
+    let without = folder.tenon(&["check", "g.tenon.json"]).code(1);
+    without.says(&["missing-plugin", "hinges", "--plugin LIBRARY"]);
+    folder.tenon(&["run", "g.tenon.json"]).code(2).says(&["missing-plugin", "hinges"]);
+    folder.write("g.tenon.json", requires(">=2"));
+    folder.tenon(&["check", "g.tenon.json", "--plugin", hinges()]).code(1).says(&["hinges >=2", "1.0.0"]);
+    folder.write("g.tenon.json", requires("new"));
+    folder.tenon(&["check", "g.tenon.json", "--plugin", hinges()]).code(1).says(&["range of versions"]);
+}
+
+#[test]
+fn libraries_that_are_no_plugins_are_refused() {
+    let folder = Folder::with("g.tenon.json", NUMBERS);
+    for (text, told) in [
+        ("int nothing;", "does not export tenon_plugin_v1"),
+        (
+            "const void *tenon_plugin_v1(void); const void *tenon_plugin_v1(void) { return 0; }",
+            "tenon_plugin_v1 gave 0x0",
+        ),
+    ] {
+        folder.write("p.c", text);
+        let library = compile(&folder.0.join("p.c"), &format!("refused{}", told.len()), &[]);
+        folder.tenon(&["run", "g.tenon.json", "--plugin", &library]).code(2).says(&[told]);
+    }
+    folder.tenon(&["run", "g.tenon.json", "--plugin", "nowhere.so"]).code(2).says(&["nowhere.so", "cannot be loaded"]);
+    // The example with one thing changed: magic number, version of the contract, ids, ranges, missing words.
+    let example = std::fs::read_to_string(root().join("plugin-sdk/examples/fastener-c/hinge.c")).unwrap();
+    for (n, (from, to, told)) in [
+        (".magic = TENON_PLUGIN_MAGIC", ".magic = 7", "magic number is 0x7"),
+        (".abi_major = TENON_PLUGIN_MAJOR", ".abi_major = 2", "version 2 of the plugin contract"),
+        (".size = sizeof(tenon_plugin)", ".size = 24", "its size is 24"),
+        ("TEXT(\"hinges.butt_hinge\")", "TEXT(\"butt_hinge\")", "must be \"hinges.\""),
+        ("TEXT(\"hinges.butt_hinge\")", "TEXT(\"hinges.\\xff\")", "UTF-8"),
+        (".evaluate = evaluate", ".evaluate = NULL", "evaluate is NULL"),
+        (".version = 1,", ".version = 0,", "version is 0"),
+        ("\"200\", 20, 1e4", "\"200\", 20, 10", "range 20 to 10"),
+        ("\"200\", 20, 1e4", "\"wide\", 20, 1e4", "is not JSON"),
+        ("\"200\", 20, 1e4", "\"2\", 20, 1e4", "outside 20 to 10000"),
+        ("TEXT(\"mm\")", "TEXT(\"ell\")", "unit \"ell\""),
+        (".node_count = COUNT(nodes)", ".node_count = 0", "0 node types"),
+        (".node_stride = sizeof(tenon_node_type)", ".node_stride = 8", "node_stride is 8"),
+        ("MM(\"setback\"", "MM(\"spacing\"", "\"spacing\" twice"),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert!(example.contains(from), "{from}");
+        folder.write("p.c", example.replace(from, to));
+        let library = compile(&folder.0.join("p.c"), &format!("spoilt{n}"), &["-Wno-error", "-w"]);
+        folder.tenon(&["plugin", "info", &library]).code(2).says(&[told]);
+    }
+}
+
+/// The names of the checks that a library fails.
+fn failed(folder: &Folder, library: &str, code: i32) -> Vec<String> {
+    let told = folder.tenon(&["plugin", "check", library, "--json", "--junit", "checks.xml"]).code(code).json();
+    let checks = told["checks"].as_array().unwrap();
+    assert!(checks.len() >= 40, "{}", checks.len());
+    assert_eq!(folder.read("checks.xml").matches("<testcase").count(), checks.len());
+    let name = |c: &Value| c["check"].as_str().unwrap().to_owned();
+    checks.iter().filter(|c| c["passed"] == false).map(name).collect()
+}
+
+#[test]
+fn the_examples_pass_every_check() {
+    let folder = Folder::new();
+    for library in [hinges().to_owned(), rust_example("fastener-rust"), rust_example("curve-rust")] {
+        assert_eq!(failed(&folder, &library, 0), Vec::<String>::new(), "{library}");
+    }
+}
+
+#[test]
+fn a_plugin_that_misbehaves_fails_the_checks_that_it_should() {
+    let source = root().join("plugin-sdk/examples/misbehaving-c/misbehaving.c");
+    let found = failed(&Folder::new(), &compile(&source, "misbehaving", &[]), 1);
+    // What the comments in the source name.
+    let text = std::fs::read_to_string(source).unwrap();
+    let comments = text.lines().filter_map(|l| l.strip_prefix("/* ")?.strip_suffix(" */"));
+    let mut named: Vec<String> = comments
+        .flat_map(|c| c.split(':').next().unwrap().split(", ").map(str::to_owned).collect::<Vec<_>>())
+        .filter(|name| !name.contains(' '))
+        .collect();
+    named.sort();
+    let mut sorted = found.clone();
+    sorted.sort();
+    assert_eq!(sorted, named);
+}
+
+#[test]
+fn a_crash_in_one_check_is_a_finding() {
+    let folder = Folder::with(
+        "p.c",
+        "#include <stdlib.h>\nconst void *tenon_plugin_v1(void);\nconst void *tenon_plugin_v1(void) { abort(); }",
+    );
+    let library = compile(&folder.0.join("p.c"), "abort", &[]);
+    let told = folder.tenon(&["plugin", "check", &library, "--only", "loads"]).code(1);
+    assert!(told.stdout.contains("FAILED  loads") && told.stdout.contains("signal"), "{told:#?}");
+    folder.tenon(&["plugin", "check", &library, "--only", "nothing"]).code(2).says(&["nothing", "same-again"]);
+    folder.tenon(&["plugin", "check", "nowhere.so"]).code(2).says(&["nowhere.so"]);
+}
+
+#[test]
+fn a_new_plugin_builds_loads_and_passes() {
+    let folder = Folder::new();
+    folder.tenon(&["plugin", "new", "acme", "--c"]).code(0);
+    let library = compile(&folder.0.join("acme/acme.c"), "acme", &[]);
+    let info = folder.tenon(&["plugin", "info", &library, "--json"]).code(0).json();
+    assert_eq!((&info["id"], &info["nodes"][0]["type"]), (&json!("acme"), &json!("acme.butt_hinge")));
+    assert_eq!(failed(&folder, &library, 0), Vec::<String>::new());
+    folder.tenon(&["plugin", "new", "acme"]).code(2).says(&["there already"]);
+    folder.tenon(&["plugin", "new", "../acme"]).code(2).says(&["lower case"]);
+    folder.tenon(&["plugin", "new", "rusty"]).code(0);
+    assert!(folder.read("rusty/src/lib.rs").contains("\"rusty.helix\""));
+}
+
+/// The C example as it was compiled when version 1.0 of the contract was new. It is never compiled anew.
+#[test]
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+fn a_plugin_of_the_first_version_is_loaded_for_ever() {
+    let old = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/hinges-1.0-x86_64-linux.so");
+    let folder = Folder::with("g.tenon.json", fastener("hinges.butt_hinge", json!({ "edges": "along rows" })));
+    let run = |library: &str| {
+        folder.tenon(&["run", "g.tenon.json", "--plugin", library, "--get", "more.features"]).code(0).json()
+    };
+    assert_eq!(run(old), run(hinges()));
+}

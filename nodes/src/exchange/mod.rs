@@ -1,0 +1,8 @@
+//! Values on their way to and from plugins and hosts: the engine's columns as the contract's arrays. Large arrays are
+//! borrowed or change hands, they are not copied.
+
+mod give;
+mod take;
+
+pub use give::branches;
+pub use take::tree;

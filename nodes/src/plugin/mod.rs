@@ -1,0 +1,66 @@
+//! Plugins as nodes: each node type that a library brings becomes one of the registry's.
+
+mod fastener;
+mod node;
+mod search;
+
+pub use search::{Found, VARIABLE, folders, load_all, user_folder};
+use std::path::Path;
+use std::sync::Arc;
+use tenon_engine::{Registry, RegistryError};
+pub use tenon_plugin::check;
+pub use tenon_plugin::load::{LoadError, Plugin};
+
+/// Why a plugin's nodes are not there.
+#[derive(Debug, thiserror::Error)]
+pub enum PluginError {
+    /// The library was refused.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// A node type was refused.
+    #[error("{}: {why}", .path.display())]
+    Register {
+        /// The library.
+        path: std::path::PathBuf,
+        /// Why.
+        why: RegistryError,
+    },
+    /// A port's description cannot be used.
+    #[error("{}: {place}: {why}", .path.display())]
+    Port {
+        /// The library.
+        path: std::path::PathBuf,
+        /// Node type and port.
+        place: String,
+        /// What is wrong.
+        why: String,
+    },
+}
+
+/// Loads a library and registers its node types. If one is refused, none is registered. It stays loaded for ever.
+///
+/// # Errors
+/// Says what is wrong with the library, a descriptor, or that a name is taken.
+pub fn load(registry: &mut Registry, path: &Path) -> Result<Arc<Plugin>, PluginError> {
+    let plugin = Arc::new(Plugin::load(path)?);
+    register(registry, &plugin)?;
+    Ok(plugin)
+}
+
+/// Registers the node types of a plugin that is loaded.
+///
+/// # Errors
+/// As [`load`].
+pub fn register(registry: &mut Registry, plugin: &Arc<Plugin>) -> Result<(), PluginError> {
+    let mut made = Vec::new();
+    for index in 0..plugin.nodes.len() {
+        made.push(node::node_type(plugin, index)?);
+    }
+    let refused = |why| PluginError::Register { path: plugin.path.clone(), why };
+    for node in &made {
+        if registry.get(node.type_name()).is_some() {
+            return Err(refused(RegistryError::Duplicate(node.type_name().to_owned())));
+        }
+    }
+    made.into_iter().try_for_each(|node| registry.register(node)).map_err(refused)
+}

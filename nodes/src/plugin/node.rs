@@ -1,0 +1,262 @@
+//! A plugin's node type as the engine's: ports by their descriptors, and a run that hands values over.
+
+use super::{Plugin, PluginError, fastener};
+use crate::exchange;
+use crate::value::{Point, V, Vector};
+use std::sync::{Arc, Mutex, PoisonError};
+use tenon_engine::{Call, Column, Fail, Item, Json, Monitor, NodeType, Port, Text, Tree, Unit};
+use tenon_geometry::Plane;
+use tenon_geometry::ifs::Curve;
+use tenon_geometry::joint::FeatureSet;
+use tenon_geometry::mesh::Mesh;
+use tenon_geometry::panel::PanelSet;
+use tenon_plugin::abi::plugin::{TENON_ITEM, TENON_LIST, TENON_TREE};
+use tenon_plugin::abi::value::*;
+use tenon_plugin::load::{EvaluateError, Message, PluginNode, PortInfo, Sink, Watch};
+use tenon_plugin::value::Branch;
+
+/// The engine's node type for node `index` of a plugin.
+pub(super) fn node_type(plugin: &Arc<Plugin>, index: usize) -> Result<NodeType, PluginError> {
+    let node = &plugin.nodes[index];
+    let mut t = NodeType::new(node.id.clone(), node.version)
+        .name(node.name.clone())
+        .category(if node.category.is_empty() { "Plugins".to_owned() } else { node.category.clone() })
+        .doc(node.doc.clone())
+        .keywords(&node.keywords);
+    if node.slow {
+        t = t.slow();
+    }
+    if node.fastener {
+        t = fastener::standard_inputs(t);
+    }
+    for info in &node.inputs {
+        let refused =
+            |why| PluginError::Port { path: plugin.path.clone(), place: format!("{}.{}", node.id, info.name), why };
+        t = t.input(port(info).map_err(refused)?);
+    }
+    let plugin = plugin.clone();
+    if node.fastener {
+        return Ok(fastener::outputs(t).run(move |c| fastener::run(c, &plugin.nodes[index])));
+    }
+    for info in &node.outputs {
+        t = t.output(typed(info));
+    }
+    Ok(t.run(move |c| run(c, &plugin.nodes[index])))
+}
+
+fn of<T: Item>(info: &PortInfo) -> Port {
+    match info.access {
+        TENON_ITEM => Port::item::<T>(info.name.clone()),
+        TENON_LIST => Port::list::<T>(info.name.clone()),
+        _ => Port::tree::<T>(info.name.clone()),
+    }
+}
+
+/// Name, type, access and doc.
+fn typed(info: &PortInfo) -> Port {
+    let port = match info.kind {
+        TENON_BOOLEAN => of::<bool>(info),
+        TENON_INTEGER => of::<i64>(info),
+        TENON_TEXT => of::<Text>(info),
+        TENON_POINT => of::<Point>(info),
+        TENON_VECTOR => of::<Vector>(info),
+        TENON_PLANE => of::<V<Plane>>(info),
+        TENON_CURVE => of::<V<Curve>>(info),
+        TENON_MESH => of::<V<Mesh>>(info),
+        TENON_PANELS => of::<V<PanelSet>>(info),
+        TENON_FEATURES => of::<V<FeatureSet>>(info),
+        // The loader lets no other kind pass.
+        _ => of::<f64>(info),
+    };
+    port.doc(info.doc.clone()).unit(unit(&info.unit).unwrap_or_default())
+}
+
+fn unit(sign: &str) -> Result<Unit, String> {
+    let all = [Unit::Length, Unit::Angle, Unit::Area, Unit::Volume, Unit::Feed, Unit::Speed];
+    match sign {
+        "" => Ok(Unit::None),
+        "pieces" => Ok(Unit::Count),
+        sign => all.into_iter().find(|u| u.symbol() == sign).ok_or_else(|| {
+            let known: Vec<&str> = all.iter().map(|u| u.symbol()).collect();
+            format!("the unit \"{sign}\" is not known; there are {} and pieces", known.join(", "))
+        }),
+    }
+}
+
+/// The same with what only inputs have.
+fn port(info: &PortInfo) -> Result<Port, String> {
+    unit(&info.unit)?;
+    let mut port = typed(info).choices(&info.choices);
+    if let Some((min, max)) = info.range {
+        port = port.range(min, max);
+    }
+    if !info.default_json.is_empty() {
+        let default: Json = serde_json::from_str(&info.default_json)
+            .map_err(|e| format!("its default \"{}\" is not JSON: {e}", info.default_json))?;
+        port = port.default(default);
+    }
+    Ok(if info.optional { port.optional() } else { port })
+}
+
+/// What arrives at an input, as a tree.
+pub(super) fn arriving(c: &Call<'_>, info: &PortInfo) -> Result<Tree, Fail> {
+    Ok(match info.access {
+        TENON_ITEM | TENON_LIST => {
+            let column = c.column(&info.name)?;
+            if info.optional && column.is_empty() { Tree::default() } else { Tree::column(column) }
+        }
+        _ => c.tree(&info.name).clone(),
+    })
+}
+
+/// Collects what a plugin gives.
+pub(super) struct Collected<'a> {
+    /// Kinds of the outputs.
+    pub outputs: &'a [PortInfo],
+    pub inputs: &'a [Tree],
+    pub values: Vec<Option<Tree>>,
+    pub messages: Vec<Message>,
+}
+
+impl Sink for Collected<'_> {
+    fn set(&mut self, output: u32, value: Vec<Branch<'_>>) -> Result<(), String> {
+        self.place(output, exchange::tree(value)?)
+    }
+
+    fn forward(&mut self, output: u32, input: u32) -> Result<(), String> {
+        let tree = self.inputs.get(input as usize).ok_or_else(|| format!("there is no input {input}"))?.clone();
+        self.place(output, tree)
+    }
+
+    fn tell(&mut self, message: Message) {
+        self.messages.push(message);
+    }
+}
+
+impl Collected<'_> {
+    fn place(&mut self, output: u32, tree: Tree) -> Result<(), String> {
+        let found = self.outputs.get(output as usize).zip(self.values.get_mut(output as usize));
+        let Some((info, place)) = found else { return Err("there is no such output".into()) };
+        let wanted = typed(info);
+        for (path, column) in tree.branches() {
+            if column.type_name() != wanted.type_name() && !column.is_empty() {
+                return Err(format!("it is declared as {}, but is {}", wanted.type_name(), column.type_name()));
+            }
+            if info.access == TENON_ITEM && column.len() != 1 {
+                return Err(format!("it is declared as one item, but branch {path} has {}", column.len()));
+            }
+        }
+        if info.access != TENON_TREE && tree.branches().len() != 1 {
+            return Err(format!("it is declared as one list, but has {} branches", tree.branches().len()));
+        }
+        *place = Some(tree);
+        Ok(())
+    }
+}
+
+/// Evaluates a node of a plugin: its messages become diagnostics, its faults errors that name it.
+pub(super) fn evaluate(
+    c: &mut Call<'_>,
+    node: &PluginNode,
+    inputs: &[Vec<Branch<'_>>],
+    sink: &mut Collected<'_>,
+) -> Result<(), Fail> {
+    let monitor: Monitor<'_> = c.monitor();
+    // One evaluation may tell from one thread at a time only.
+    let told = Mutex::new(());
+    let progress = |fraction: f64| {
+        let _one = told.lock().unwrap_or_else(PoisonError::into_inner);
+        let _ = monitor.progress(fraction);
+    };
+    let watch = Watch { cancelled: &|| monitor.cancelled(), progress: &progress, refuse_buffer: None };
+    let ended = node.evaluate(inputs, watch, sink);
+    let mut last = None;
+    for message in sink.messages.drain(..) {
+        let (severity, fail) = fail(message);
+        match severity {
+            // The last error of a node that failed is its failure.
+            TENON_ERROR => last.replace(fail).into_iter().for_each(|f| c.report(f)),
+            TENON_NOTE => c.note(fail),
+            _ => c.warn(fail),
+        }
+    }
+    match ended {
+        Ok(()) => {
+            last.into_iter().for_each(|f| c.report(f));
+            Ok(())
+        }
+        Err(EvaluateError::Cancelled) => Err(Fail::cancelled()),
+        Err(EvaluateError::Failed) => Err(last.unwrap_or_else(|| fault(node, "it failed without saying why"))),
+        Err(EvaluateError::Fault(why)) => {
+            last.into_iter().for_each(|f| c.report(f));
+            Err(fault(node, &why))
+        }
+    }
+}
+
+/// The plugin breaks its contract.
+pub(super) fn fault(node: &PluginNode, why: &str) -> Fail {
+    Fail::new("plugin-fault", format!("the plugin node \"{}\" is faulty: {why}", node.id))
+        .hint("tell the plugin's maker; `tenon plugin info` names it")
+}
+
+fn fail(m: Message) -> (u32, Fail) {
+    let mut fail = Fail::new(m.code, m.message);
+    if let Some(hint) = m.hint {
+        fail = fail.hint(hint);
+    }
+    if let Some(port) = m.port {
+        fail = fail.port(port);
+    }
+    if let Some(item) = m.item {
+        fail = fail.item(item);
+    }
+    (m.severity, fail)
+}
+
+fn run(c: &mut Call<'_>, node: &PluginNode) -> Result<(), Fail> {
+    let trees = node.inputs.iter().map(|info| arriving(c, info)).collect::<Result<Vec<Tree>, Fail>>()?;
+    let inputs: Vec<Vec<Branch<'_>>> = trees.iter().map(exchange::branches).collect();
+    let values = vec![None; node.outputs.len()];
+    let mut sink = Collected { outputs: &node.outputs, inputs: &trees, values, messages: Vec::new() };
+    evaluate(c, node, &inputs, &mut sink)?;
+    for (info, value) in node.outputs.iter().zip(sink.values) {
+        let Some(tree) = value else {
+            return Err(fault(node, &format!("it ended well without setting \"{}\"", info.name)));
+        };
+        match info.access {
+            TENON_ITEM | TENON_LIST => {
+                let first = tree.branches().first().map(|(_, column)| column.clone());
+                let Some(column) = first else { continue };
+                set_column(c, info, column)?;
+            }
+            _ => c.set_tree(&info.name, tree),
+        }
+    }
+    Ok(())
+}
+
+/// Sets an output that is one item or one list.
+fn set_column(c: &mut Call<'_>, info: &PortInfo, column: Column) -> Result<(), Fail> {
+    if info.access == TENON_LIST {
+        c.set_column(&info.name, column);
+        return Ok(());
+    }
+    macro_rules! set {
+        ($($kind:pat => $type:ty),*) => {
+            match info.kind {
+                $($kind => match column.get::<$type>(0) {
+                    Some(item) => c.set(&info.name, item.clone()),
+                    // A gap: the engine says that the output stays empty.
+                    None => return Err(Fail::new("missing-output", format!("\"{}\" has no value", info.name))),
+                },)*
+            }
+        };
+    }
+    set!(
+        TENON_BOOLEAN => bool, TENON_INTEGER => i64, TENON_TEXT => Text, TENON_POINT => Point, TENON_VECTOR => Vector,
+        TENON_PLANE => V<Plane>, TENON_CURVE => V<Curve>, TENON_MESH => V<Mesh>, TENON_PANELS => V<PanelSet>,
+        TENON_FEATURES => V<FeatureSet>, _ => f64
+    );
+    Ok(())
+}

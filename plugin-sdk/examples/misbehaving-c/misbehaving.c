@@ -1,0 +1,145 @@
+/* What a plugin must not do, one node type per misdeed, so that `tenon plugin check` has something to find. Each node has
+   one input "x" and one output "y", and the comment before it names the checks that it fails. */
+#include "tenon_plugin.h"
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#define TEXT(s) {s, sizeof(s) - 1}
+#define COUNT(a) (sizeof(a) / sizeof((a)[0]))
+
+static double number(const tenon_tree *in) { return *(const double *)in[0].branches[0].column.items; }
+
+static tenon_status give_as(const tenon_call *call, tenon_kind kind, const void *items) {
+    tenon_branch branch;
+    memset(&branch, 0, sizeof branch);
+    branch.column.size = sizeof branch.column;
+    branch.column.kind = kind;
+    branch.column.items = items;
+    branch.column.count = 1;
+    branch.column.stride = 8;
+    tenon_tree tree = {sizeof tree, sizeof branch, &branch, 1};
+    return call->set(call, 0, &tree);
+}
+static tenon_status give(const tenon_call *call, double y) { return give_as(call, TENON_NUMBER, &y); }
+
+#define EVALUATE(name)                                                                                                   \
+    static tenon_status name(void *data, const tenon_call *call, const tenon_tree *in, uint32_t count)
+#define UNUSED (void)data, (void)call, (void)in, (void)count
+
+/* same-again, same-after-others, same-in-a-new-load, same-on-many-threads */
+EVALUATE(forgetful) {
+    static double sum;
+    UNUSED;
+    return give(call, sum += number(in) + 1);
+}
+/* finite-outputs */
+EVALUATE(divider) {
+    UNUSED;
+    return give(call, 1 / (number(in) * 0));
+}
+/* sets-every-output */
+EVALUATE(lazy) {
+    UNUSED;
+    return TENON_OK;
+}
+/* computes, explains-failures */
+EVALUATE(silent) {
+    UNUSED;
+    return TENON_FAILED;
+}
+/* stops-at-once */
+EVALUATE(deaf) {
+    UNUSED;
+    /* Only for its largest number, so that the other checks do not take long. */
+    clock_t end = clock() + CLOCKS_PER_SEC / 6;
+    while (number(in) == 10 && clock() < end) continue;
+    return give(call, number(in));
+}
+/* leaves-inputs-alone */
+EVALUATE(scribbler) {
+    UNUSED;
+    double before = number(in);
+    *(double *)(uintptr_t)in[0].branches[0].column.items = before + 1;
+    return give(call, before);
+}
+/* sets-what-it-declares */
+EVALUATE(liar) {
+    UNUSED;
+    int64_t whole = 1;
+    return give_as(call, TENON_INTEGER, &whole);
+}
+/* progress-rises */
+EVALUATE(backwards) {
+    UNUSED;
+    call->progress(call, 0.9);
+    call->progress(call, 0.1);
+    return give(call, number(in));
+}
+/* leaves-the-process-alone */
+EVALUATE(wanderer) {
+    UNUSED;
+    return chdir("/") == 0 ? give(call, number(in)) : TENON_FAILED;
+}
+/* messages-are-for-people */
+EVALUATE(mumbler) {
+    UNUSED;
+    tenon_message message = {sizeof message, TENON_NOTE, TEXT("Some Code"), TEXT(" "), {NULL, 0}, TEXT("nowhere"), 0};
+    call->tell(call, &message);
+    return give(call, number(in));
+}
+/* lives-without-memory */
+EVALUATE(trusting) {
+    UNUSED;
+    double *buffer = call->buffer(call, TENON_F64, 1);
+    *(volatile double *)buffer = number(in);
+    return give_as(call, TENON_NUMBER, buffer);
+}
+/* huge-numbers */
+EVALUATE(fragile) {
+    UNUSED;
+    if (number(in) > 1e100) *(volatile int *)(uintptr_t)8 = 1;
+    return give(call, number(in));
+}
+/* node-docs, port-docs, defaults-are-accepted: see its description */
+EVALUATE(hasty) {
+    UNUSED;
+    return give(call, number(in));
+}
+
+#define INPUT(doc, value)                                                                                                \
+    {sizeof(tenon_port), TENON_RANGE, TENON_NUMBER, TENON_ITEM, TEXT("x"), TEXT(doc), TEXT(""), TEXT(value), 0, 10, NULL, 0}
+static const tenon_port inputs[] = {INPUT("A number.", "1")};
+static const tenon_port careless[] = {INPUT("number", "11")};
+static const tenon_port boundless[] = {
+    {sizeof(tenon_port), 0, TENON_NUMBER, TENON_ITEM, TEXT("x"), TEXT("A number."), TEXT(""), TEXT("1"), 0, 0, NULL, 0}};
+static const tenon_port outputs[] = {
+    {sizeof(tenon_port), 0, TENON_NUMBER, TENON_ITEM, TEXT("y"), TEXT("A number."), TEXT(""), TEXT(""), 0, 0, NULL, 0}};
+
+#define TYPE(function, words, ports)                                                                                     \
+    {sizeof(tenon_node_type), TENON_PURE, TEXT("misbehaving." #function), 1, 1, ports, outputs, 1, sizeof(tenon_port),   \
+     TEXT(#function), TEXT("Misdeeds"), TEXT(words), TEXT("misdeed"), NULL, function}
+
+static const tenon_node_type nodes[] = {
+    TYPE(forgetful, "Adds to what it had.", inputs),
+    TYPE(divider, "Divides by nothing.", inputs),
+    TYPE(lazy, "Gives nothing.", inputs),
+    TYPE(silent, "Fails without a word.", inputs),
+    TYPE(deaf, "Does not stop.", inputs),
+    TYPE(scribbler, "Writes to its input.", inputs),
+    TYPE(liar, "Gives what it did not declare.", inputs),
+    TYPE(backwards, "Gets further from its end.", inputs),
+    TYPE(wanderer, "Leaves the working directory.", inputs),
+    TYPE(mumbler, "Says nothing that helps.", inputs),
+    TYPE(trusting, "Takes memory for granted.", inputs),
+    TYPE(fragile, "Crashes.", boundless),
+    TYPE(hasty, "no sentence", careless),
+};
+
+/* version */
+static const tenon_plugin plugin = {TENON_PLUGIN_MAGIC, sizeof(tenon_plugin), TENON_PLUGIN_MAJOR, TENON_PLUGIN_MINOR,
+                                    TEXT("misbehaving"), TEXT("one"), TEXT("Tenon's examples"),
+                                    TEXT("Misbehaves on purpose."), nodes, COUNT(nodes), sizeof(tenon_node_type)};
+
+TENON_EXPORT const tenon_plugin *tenon_plugin_v1(void);
+const tenon_plugin *tenon_plugin_v1(void) { return &plugin; }

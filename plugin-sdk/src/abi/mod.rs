@@ -1,0 +1,6 @@
+//! The C types of the contract, by the names that they have in the C headers, which are generated from here.
+
+#![allow(non_camel_case_types)]
+
+pub mod plugin;
+pub mod value;

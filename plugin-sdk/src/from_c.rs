@@ -1,0 +1,522 @@
+//! C values as safe values: pointers, lengths, sizes, types, texts and offsets are checked before anything is read as
+//! what it is said to be. Arrays that begin in a [`Buffers`] and are as long change hands; others are borrowed.
+
+use crate::abi::plugin::*;
+use crate::abi::value::*;
+use crate::value::{Branch, Curve, Feature, Features, File, Items, Machining, Mesh, Panels};
+use bytemuck::Pod;
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::ffi::c_void;
+
+/// What is wrong with a value that crossed.
+#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+pub enum BadValue {
+    /// A pointer is NULL although something is said to be there.
+    #[error("{0} is NULL")]
+    Null(&'static str),
+    /// A pointer does not suit its type.
+    #[error("{0} is misaligned")]
+    Misaligned(&'static str),
+    /// A length or stride that cannot be.
+    #[error("{what}: {found} is impossible{hint}")]
+    Length {
+        /// What.
+        what: &'static str,
+        /// The length.
+        found: u64,
+        /// What would be right.
+        hint: &'static str,
+    },
+    /// Offsets that do not begin at 0, fall, or do not end at the array's length.
+    #[error("{0} must begin with 0, never fall, and end with the number of entries")]
+    Offsets(&'static str),
+    /// An index past the end.
+    #[error("{what}: {found} is not below {count}")]
+    Index {
+        /// What.
+        what: &'static str,
+        /// The index.
+        found: u32,
+        /// How many there are.
+        count: usize,
+    },
+    /// A text is not UTF-8.
+    #[error("{what} is not UTF-8 after byte {after}")]
+    Text {
+        /// What.
+        what: &'static str,
+        /// Bytes that are.
+        after: usize,
+    },
+    /// A type, machining or path that there is not.
+    #[error("{what} {found} is not known")]
+    Unknown {
+        /// What.
+        what: &'static str,
+        /// The number.
+        found: u64,
+    },
+    /// NaN or infinity.
+    #[error("{what}: entry {entry} is not finite")]
+    NotFinite {
+        /// What.
+        what: &'static str,
+        /// Its index.
+        entry: usize,
+    },
+}
+
+type Read<T> = Result<T, BadValue>;
+
+/// A buffer of the host.
+#[derive(Debug)]
+enum Buffer {
+    U8(Vec<u8>),
+    U32(Vec<u32>),
+    I64(Vec<i64>),
+    F64(Vec<f64>),
+    Vec3(Vec<tenon_vec3>),
+    Vec4(Vec<tenon_vec4>),
+    Plane(Vec<tenon_plane>),
+    Edge(Vec<tenon_edge>),
+    Address(Vec<tenon_address>),
+}
+
+/// The buffers of one evaluation by address.
+#[derive(Debug, Default)]
+pub struct Buffers(HashMap<usize, Buffer>);
+
+/// The largest buffer, bytes: beyond that a length is a mistake.
+const LARGEST: u64 = 1 << 40;
+
+fn zeroed<T: Pod>(count: usize) -> Option<Vec<T>> {
+    let mut v = Vec::new();
+    v.try_reserve_exact(count).ok()?;
+    v.resize(count, T::zeroed());
+    Some(v)
+}
+
+impl Buffers {
+    /// A zeroed buffer; NULL without memory or for an unknown element. O(count).
+    pub fn make(&mut self, element: tenon_element, count: u64) -> *mut c_void {
+        self.try_make(element, count).unwrap_or(std::ptr::null_mut())
+    }
+
+    fn try_make(&mut self, element: tenon_element, count: u64) -> Option<*mut c_void> {
+        let count = usize::try_from(count.max(1)).ok().filter(|c| (*c as u64) < LARGEST)?;
+        macro_rules! make {
+            ($variant:ident, $type:ty) => {{
+                let mut v = zeroed::<$type>(count)?;
+                let at: *mut c_void = v.as_mut_ptr().cast();
+                (at, Buffer::$variant(v))
+            }};
+        }
+        let (at, buffer) = match element {
+            TENON_U8 => make!(U8, u8),
+            TENON_U32 => make!(U32, u32),
+            TENON_I64 => make!(I64, i64),
+            TENON_F64 => make!(F64, f64),
+            TENON_VEC3 => make!(Vec3, tenon_vec3),
+            TENON_VEC4 => make!(Vec4, tenon_vec4),
+            TENON_PLANES => make!(Plane, tenon_plane),
+            TENON_EDGE_REFS => make!(Edge, tenon_edge),
+            TENON_ADDRESSES => make!(Address, tenon_address),
+            _ => return None,
+        };
+        self.0.insert(at.addr(), buffer);
+        Some(at)
+    }
+}
+
+/// Element types of buffers.
+trait Element: Pod {
+    fn take(buffer: Buffer) -> Result<Vec<Self>, Buffer>;
+}
+
+macro_rules! elements {
+    ($($type:ty, $variant:ident;)*) => { $(
+        impl Element for $type {
+            fn take(buffer: Buffer) -> Result<Vec<Self>, Buffer> {
+                match buffer {
+                    Buffer::$variant(v) => Ok(v),
+                    other => Err(other),
+                }
+            }
+        }
+    )* };
+}
+
+elements! {
+    u8, U8; u32, U32; i64, I64; f64, F64; tenon_vec3, Vec3; tenon_vec4, Vec4; tenon_plane, Plane; tenon_edge, Edge;
+    tenon_address, Address;
+}
+
+/// Reads what one side gave the other.
+pub(crate) struct Reader<'b> {
+    pub buffers: &'b mut Buffers,
+}
+
+/// The slice at `ptr`.
+///
+/// # Safety
+/// `ptr` is NULL or points to `count` items that nobody changes during `'a`.
+unsafe fn slice<'a, T>(ptr: *const T, count: u64, what: &'static str) -> Read<&'a [T]> {
+    let fits =
+        usize::try_from(count).ok().filter(|c| c.checked_mul(size_of::<T>()).is_some_and(|b| b <= isize::MAX as usize));
+    match fits {
+        Some(0) => Ok(&[]),
+        None => Err(BadValue::Length { what, found: count, hint: "" }),
+        Some(_) if ptr.is_null() => Err(BadValue::Null(what)),
+        Some(_) if !ptr.is_aligned() => Err(BadValue::Misaligned(what)),
+        // SAFETY: not NULL, aligned, of possible length; the caller vouches for the rest.
+        Some(count) => Ok(unsafe { std::slice::from_raw_parts(ptr, count) }),
+    }
+}
+
+/// Structs `stride` bytes apart, each as far as the other side's version reaches.
+///
+/// # Safety
+/// As [`slice`], with `stride` bytes per item; any bytes are good for `T`, zeros included.
+unsafe fn structs<T: Copy>(ptr: *const T, count: u64, stride: u64, what: &'static str) -> Read<Vec<T>> {
+    if count == 0 {
+        return Ok(Vec::new());
+    }
+    let stride_ok =
+        stride >= size_of::<T>() as u64 && stride.is_multiple_of(align_of::<T>() as u64) && stride <= 1 << 16;
+    if !stride_ok {
+        return Err(BadValue::Length { what, found: stride, hint: " as the bytes from one to the next" });
+    }
+    if ptr.is_null() {
+        return Err(BadValue::Null(what));
+    }
+    if !ptr.is_aligned() {
+        return Err(BadValue::Misaligned(what));
+    }
+    let count = usize::try_from(count)
+        .ok()
+        .filter(|c| c.checked_mul(stride as usize).is_some_and(|b| b <= isize::MAX as usize));
+    let Some(count) = count else { return Err(BadValue::Length { what, found: u64::MAX, hint: "" }) };
+    // SAFETY: inside what the caller vouches for.
+    Ok((0..count).map(|i| unsafe { *ptr.byte_add(i * stride as usize) }).collect())
+}
+
+/// A text.
+///
+/// # Safety
+/// It is a view of bytes that nobody changes during `'a`.
+pub(crate) unsafe fn text<'a>(t: tenon_str, what: &'static str) -> Read<&'a str> {
+    // SAFETY: as the caller vouches.
+    let bytes = unsafe { slice(t.ptr.cast::<u8>(), t.len, what)? };
+    std::str::from_utf8(bytes).map_err(|e| BadValue::Text { what, after: e.valid_up_to() })
+}
+
+fn offsets(offsets: &[u32], end: usize, what: &'static str) -> Read<()> {
+    let good = offsets.first() == Some(&0)
+        && offsets.last().map(|e| *e as usize) == Some(end)
+        && offsets.windows(2).all(|w| w[0] <= w[1]);
+    if good { Ok(()) } else { Err(BadValue::Offsets(what)) }
+}
+
+fn below(indices: &[u32], count: usize, what: &'static str) -> Read<()> {
+    match indices.iter().find(|i| **i as usize >= count) {
+        Some(&found) => Err(BadValue::Index { what, found, count }),
+        None => Ok(()),
+    }
+}
+
+fn finite(points: &[tenon_vec3], what: &'static str) -> Read<()> {
+    match points.iter().position(|p| !(p.x.is_finite() && p.y.is_finite() && p.z.is_finite())) {
+        Some(entry) => Err(BadValue::NotFinite { what, entry }),
+        None => Ok(()),
+    }
+}
+
+/// 0 and 1 as truth values; anything but 0 is true.
+fn truths(bytes: Cow<'_, [u8]>) -> Vec<bool> {
+    bytes.iter().map(|b| *b != 0).collect()
+}
+
+// SAFETY of all functions below: the caller vouches that every pointer is NULL or leads to as many items as the struct
+// says, which nobody changes during 'a. What can be seen from here is checked.
+impl Reader<'_> {
+    /// An array, taken over if it is a buffer.
+    unsafe fn array<'a, T: Element>(&mut self, ptr: *const T, count: u64, what: &'static str) -> Read<Cow<'a, [T]>> {
+        if let Some(buffer) = self.buffers.0.remove(&ptr.addr()) {
+            match T::take(buffer) {
+                Ok(mut v) if count <= v.len() as u64 => {
+                    v.truncate(count as usize);
+                    return Ok(Cow::Owned(v));
+                }
+                Ok(v) => {
+                    return Err(BadValue::Length {
+                        what,
+                        found: count,
+                        hint: if v.is_empty() { "" } else { ": longer than its buffer" },
+                    });
+                }
+                Err(other) => {
+                    self.buffers.0.insert(ptr.addr(), other);
+                }
+            }
+        }
+        // SAFETY: see above.
+        unsafe { slice(ptr, count, what).map(Cow::Borrowed) }
+    }
+
+    /// A tree.
+    pub unsafe fn tree<'a>(&mut self, tree: *const tenon_tree) -> Read<Vec<Branch<'a>>> {
+        if tree.is_null() {
+            return Err(BadValue::Null("tree"));
+        }
+        if !tree.is_aligned() {
+            return Err(BadValue::Misaligned("tree"));
+        }
+        // SAFETY: see above; the size comes first.
+        let size = unsafe { (*tree).size };
+        if (size as usize) < size_of::<tenon_tree>() {
+            return Err(BadValue::Length {
+                what: "tree.size",
+                found: size.into(),
+                hint: "; set it to sizeof(tenon_tree)",
+            });
+        }
+        // SAFETY: see above; it is as large as this version of the struct.
+        let tree = unsafe { *tree };
+        // SAFETY: see above.
+        let branches = unsafe { structs(tree.branches, tree.branch_count, tree.branch_stride.into(), "branches")? };
+        branches
+            .iter()
+            .map(|b| {
+                let path = if b.path.is_null() {
+                    Cow::Borrowed(&[0][..])
+                } else {
+                    // SAFETY: see above.
+                    Cow::Borrowed(unsafe { slice(b.path, b.path_count, "path")? })
+                };
+                let c = &b.column;
+                // SAFETY: see above.
+                let items = unsafe { self.items(c)? };
+                let valid = if c.valid.is_null() {
+                    None
+                } else {
+                    // SAFETY: see above.
+                    Some(Cow::Owned(truths(unsafe { slice(c.valid, c.count, "valid")? }.into())))
+                };
+                Ok(Branch { path, items, valid })
+            })
+            .collect()
+    }
+
+    unsafe fn items<'a>(&mut self, c: &tenon_column) -> Read<Items<'a>> {
+        let fixed = |size: usize| match c.stride == size as u64 || c.count == 0 {
+            true => Ok(()),
+            false => {
+                Err(BadValue::Length { what: "column.stride", found: c.stride, hint: "; set it to sizeof one item" })
+            }
+        };
+        // SAFETY: see above.
+        unsafe {
+            Ok(match c.kind {
+                TENON_NOTHING if c.count == 0 => Items::Opaque { type_name: Cow::Borrowed(""), count: 0 },
+                TENON_BOOLEAN => {
+                    fixed(1)?;
+                    Items::Boolean(truths(self.array::<u8>(c.items.cast(), c.count, "booleans")?).into())
+                }
+                TENON_INTEGER => {
+                    fixed(8)?;
+                    Items::Integer(self.array(c.items.cast(), c.count, "integers")?)
+                }
+                TENON_NUMBER => {
+                    fixed(8)?;
+                    Items::Number(self.array(c.items.cast(), c.count, "numbers")?)
+                }
+                TENON_POINT | TENON_VECTOR => {
+                    fixed(size_of::<tenon_vec3>())?;
+                    let points = self.array(c.items.cast(), c.count, "points")?;
+                    if c.kind == TENON_POINT { Items::Point(points) } else { Items::Vector(points) }
+                }
+                TENON_PLANE => {
+                    fixed(size_of::<tenon_plane>())?;
+                    Items::Plane(self.array(c.items.cast(), c.count, "planes")?)
+                }
+                TENON_TEXT => {
+                    fixed(size_of::<tenon_str>())?;
+                    let texts = slice::<tenon_str>(c.items.cast(), c.count, "texts")?;
+                    Items::Text(texts.iter().map(|t| text(*t, "text").map(Cow::Borrowed)).collect::<Read<_>>()?)
+                }
+                TENON_CURVE => {
+                    let all = structs::<tenon_curve>(c.items.cast(), c.count, c.stride, "curves")?;
+                    Items::Curve(all.iter().map(|x| self.curve(x)).collect::<Read<_>>()?)
+                }
+                TENON_MESH => {
+                    let all = structs::<tenon_mesh>(c.items.cast(), c.count, c.stride, "meshes")?;
+                    Items::Mesh(all.iter().map(|x| self.mesh(x)).collect::<Read<_>>()?)
+                }
+                TENON_PANELS => {
+                    let all = structs::<tenon_panels>(c.items.cast(), c.count, c.stride, "panel sets")?;
+                    Items::Panels(all.iter().map(|x| self.panels(x)).collect::<Read<_>>()?)
+                }
+                TENON_FEATURES => {
+                    let all = structs::<tenon_features>(c.items.cast(), c.count, c.stride, "feature sets")?;
+                    Items::Features(all.iter().map(|x| self.features(x)).collect::<Read<_>>()?)
+                }
+                TENON_FILE => {
+                    let all = structs::<tenon_file>(c.items.cast(), c.count, c.stride, "files")?;
+                    Items::File(all.iter().map(|x| self.file(x)).collect::<Read<_>>()?)
+                }
+                TENON_EDGES => {
+                    fixed(size_of::<tenon_edge_pair>())?;
+                    Items::Edges(Cow::Borrowed(slice(c.items.cast(), c.count, "edges")?))
+                }
+                TENON_OPAQUE => Items::Opaque {
+                    type_name: Cow::Borrowed(text(c.type_name, "type_name")?),
+                    count: usize::try_from(c.count).unwrap_or(usize::MAX),
+                },
+                other => return Err(BadValue::Unknown { what: "kind", found: other.into() }),
+            })
+        }
+    }
+
+    unsafe fn curve<'a>(&mut self, c: &tenon_curve) -> Read<Curve<'a>> {
+        // SAFETY: see above.
+        let points = unsafe { self.array(c.points, c.point_count, "curve points")? };
+        let strip_start = if c.strip_start.is_null() {
+            Cow::Owned(vec![0, points.len() as u32])
+        } else {
+            // SAFETY: see above.
+            unsafe { self.array(c.strip_start, c.strip_count.saturating_add(1), "strip_start")? }
+        };
+        offsets(&strip_start, points.len(), "strip_start")?;
+        Ok(Curve { points, strip_start, closed: c.closed != 0 })
+    }
+
+    unsafe fn mesh<'a>(&mut self, m: &tenon_mesh) -> Read<Mesh<'a>> {
+        // SAFETY: see above.
+        let mesh = unsafe {
+            Mesh {
+                points: self.array(m.points, m.point_count, "mesh points")?,
+                face_start: match m.face_count {
+                    0 => Cow::Borrowed(&[0][..]),
+                    count => self.array(m.face_start, count.saturating_add(1), "face_start")?,
+                },
+                face_vertices: self.array(m.face_vertices, m.face_vertex_count, "face_vertices")?,
+                addresses: match m.addresses.is_null() {
+                    true => Cow::Borrowed(&[][..]),
+                    false => self.array(m.addresses, m.face_count, "addresses")?,
+                },
+            }
+        };
+        offsets(&mesh.face_start, mesh.face_vertices.len(), "face_start")?;
+        below(&mesh.face_vertices, mesh.points.len(), "face_vertices")?;
+        finite(&mesh.points, "mesh points")?;
+        Ok(mesh)
+    }
+
+    unsafe fn panels<'a>(&mut self, p: &tenon_panels) -> Read<Panels<'a>> {
+        let (n, k) = (p.panel_count, p.corner_count);
+        // SAFETY: see above.
+        let panels = unsafe {
+            Panels {
+                thickness: p.thickness,
+                corner_start: match n {
+                    0 => Cow::Borrowed(&[0][..]),
+                    n => self.array(p.corner_start, n.saturating_add(1), "corner_start")?,
+                },
+                address: self.array(p.address, n, "address")?,
+                normal: self.array(p.normal, n, "normal")?,
+                front: self.array(p.front, k, "front")?,
+                vertex: self.array(p.vertex, k, "vertex")?,
+                chamfer: self.array(p.chamfer, k, "chamfer")?,
+                neighbour: self.array(p.neighbour, k, "neighbour")?,
+                side: self.array(p.side, k, "side")?,
+                back_start: self.array(p.back_start, k, "back_start")?,
+                back_end: self.array(p.back_end, k, "back_end")?,
+                voided: truths(self.array::<u8>(p.voided, k, "voided")?).into(),
+            }
+        };
+        offsets(&panels.corner_start, panels.front.len(), "corner_start")?;
+        if !panels.thickness.is_finite() {
+            return Err(BadValue::NotFinite { what: "thickness", entry: 0 });
+        }
+        finite(&panels.normal, "normal")?;
+        finite(&panels.front, "front")?;
+        finite(&panels.back_start, "back_start")?;
+        finite(&panels.back_end, "back_end")?;
+        if let Some(entry) = panels.chamfer.iter().position(|c| !c.offset.is_finite()) {
+            return Err(BadValue::NotFinite { what: "chamfer", entry });
+        }
+        for n in panels.neighbour.iter().filter(|n| **n != tenon_edge::NONE) {
+            below(&[n.panel], panels.len(), "neighbour.panel")?;
+            below(&[n.edge], panels.corners(n.panel as usize).len(), "neighbour.edge")?;
+        }
+        if let Some(side) = panels.side.iter().find(|s| **s > TENON_SIDE_OTHER) {
+            return Err(BadValue::Unknown { what: "side", found: (*side).into() });
+        }
+        Ok(panels)
+    }
+
+    unsafe fn features<'a>(&mut self, f: &tenon_features) -> Read<Features<'a>> {
+        // SAFETY: see above.
+        unsafe {
+            let features = structs(f.features, f.feature_count, f.feature_stride.into(), "features")?;
+            let hardware = slice(f.hardware, f.hardware_count, "hardware")?;
+            Ok(Features {
+                features: features.iter().map(|f| self.feature(f)).collect::<Read<_>>()?,
+                hardware: hardware
+                    .iter()
+                    .map(|h| Ok((Cow::Borrowed(text(h.name, "hardware.name")?), h.count)))
+                    .collect::<Read<_>>()?,
+            })
+        }
+    }
+
+    unsafe fn feature<'a>(&mut self, f: &tenon_feature) -> Read<Feature<'a>> {
+        // SAFETY: see above.
+        let (line, words, purpose) = unsafe {
+            let line: Cow<'a, [tenon_vec3]> = self.array(f.line, f.line_count, "feature.line")?;
+            (line, text::<'a>(f.text, "feature.text")?, text::<'a>(f.purpose, "feature.purpose")?)
+        };
+        finite(&[f.at, f.to, f.axis], "feature")?;
+        finite(&line, "feature.line")?;
+        if !(f.depth.is_finite() && f.width.is_finite()) {
+            return Err(BadValue::NotFinite { what: "feature.depth or feature.width", entry: 0 });
+        }
+        let machining = match f.kind {
+            TENON_DRILL => Machining::Drill { entry: f.at, axis: f.axis, depth: f.depth, diameter: f.width },
+            TENON_SLOT => Machining::Slot { from: f.at, to: f.to, axis: f.axis, width: f.width, depth: f.depth },
+            TENON_POCKET => Machining::Pocket { outline: line, axis: f.axis, depth: f.depth },
+            TENON_CONTOUR => Machining::Contour { line, axis: f.axis },
+            TENON_ENGRAVING => Machining::Engraving {
+                origin: f.at,
+                along: f.to,
+                axis: f.axis,
+                height: f.width,
+                depth: f.depth,
+                text: words.into(),
+            },
+            other => return Err(BadValue::Unknown { what: "feature.kind", found: other.into() }),
+        };
+        let some = |i: u32| (i != TENON_NONE).then_some(i);
+        Ok(Feature {
+            panel: f.panel,
+            edge: some(f.edge),
+            joint: some(f.joint),
+            by_hand: f.by_hand != 0,
+            purpose: purpose.into(),
+            machining,
+        })
+    }
+
+    unsafe fn file<'a>(&mut self, f: &tenon_file) -> Read<File<'a>> {
+        // SAFETY: see above.
+        unsafe {
+            let withheld = text(f.withheld, "file.withheld")?;
+            Ok(File {
+                name: text(f.name, "file.name")?.into(),
+                bytes: self.array(f.bytes, f.byte_count, "file.bytes")?,
+                withheld: (!withheld.is_empty()).then_some(withheld.into()),
+            })
+        }
+    }
+}

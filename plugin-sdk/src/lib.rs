@@ -1,0 +1,18 @@
+//! The contract between Tenon and its plugins.
+//!
+//! The C types in [`abi`] are the contract; `include/*.h` is generated from them. [`value`] is the same without pointers,
+//! for safe code on either side. [`author`] makes plugins in Rust, [`load`] (feature `host`) loads plugins of any
+//! language, [`check`] tests them.
+
+pub mod abi;
+pub mod author;
+#[cfg(feature = "host")]
+pub mod check;
+mod from_c;
+#[cfg(feature = "host")]
+pub mod load;
+mod to_c;
+pub mod value;
+
+pub use from_c::BadValue;
+pub use to_c::CTree;

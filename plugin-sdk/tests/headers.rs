@@ -1,0 +1,127 @@
+//! The C headers say what the Rust source says. `TENON_WRITE_HEADERS=1 cargo test -p tenon-plugin` writes them anew.
+
+use std::path::Path;
+
+/// One header from one source file.
+fn header(source: &str, name: &str, about: &str, includes: &[&str]) -> String {
+    let mut config = cbindgen::Config {
+        language: cbindgen::Language::C,
+        cpp_compat: true,
+        usize_is_size_t: true,
+        no_includes: true,
+        sys_includes: ["stdbool.h", "stdint.h"].map(str::to_owned).to_vec(),
+        includes: includes.iter().map(|i| (*i).to_owned()).collect(),
+        include_guard: Some(format!("{}_H", name.to_uppercase())),
+        documentation_style: cbindgen::DocumentationStyle::C99,
+        style: cbindgen::Style::Both,
+        header: Some(format!("// {about}\n// Generated from the Rust source; do not edit.")),
+        after_includes: (name == "tenon_plugin").then(|| ENTRY.to_owned()),
+        line_length: 110,
+        ..cbindgen::Config::default()
+    };
+    // Structs that no function of this file names are still part of the contract.
+    let text = std::fs::read_to_string(root().join(source)).unwrap();
+    let named = |line: &str| {
+        line.strip_prefix("pub struct ").map(|rest| rest.split([' ', '<', '(']).next().unwrap().to_owned())
+    };
+    config.export.include = text.lines().filter_map(named).collect();
+    let aliases =
+        text.lines().filter_map(|l| l.strip_prefix("pub type ")).map(|l| l.split(' ').next().unwrap().to_owned());
+    config.export.include.extend(aliases);
+    let bindings = cbindgen::Builder::new().with_config(config).with_src(root().join(source)).generate().unwrap();
+    let mut out = Vec::new();
+    bindings.write(&mut out);
+    String::from_utf8(out).unwrap()
+}
+
+/// What a plugin defines, which cbindgen cannot know.
+const ENTRY: &str = r#"
+#if defined(_WIN32)
+#define TENON_EXPORT __declspec(dllexport)
+#else
+#define TENON_EXPORT __attribute__((visibility("default")))
+#endif
+"#;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+#[track_caller]
+fn compare(place: &str, text: &str) {
+    let place = root().join(place);
+    if std::env::var_os("TENON_WRITE_HEADERS").is_some() {
+        std::fs::write(&place, text).unwrap();
+    }
+    let there = std::fs::read_to_string(&place).unwrap_or_default();
+    assert!(
+        there == text,
+        "{} is not what the source says: TENON_WRITE_HEADERS=1 cargo test writes it",
+        place.display()
+    );
+}
+
+#[test]
+fn the_header_of_values_is_what_the_source_says() {
+    let about = "Values of Tenon as they cross to plugins and hosts. Lengths are mm, angles radians.";
+    compare("include/tenon_value.h", &header("src/abi/value.rs", "tenon_value", about, &[]));
+}
+
+#[test]
+fn the_header_of_plugins_is_what_the_source_says() {
+    let about = include_str!("plugin_header.txt").trim_end();
+    compare("include/tenon_plugin.h", &header("src/abi/plugin.rs", "tenon_plugin", about, &["tenon_value.h"]));
+}
+
+#[test]
+fn the_headers_are_strict_c11_and_cpp17() {
+    for name in ["tenon_value.h", "tenon_plugin.h"] {
+        for (compiler, language, standard) in [("cc", "c", "-std=c11"), ("c++", "c++", "-std=c++17")] {
+            let done = std::process::Command::new(compiler)
+                .args([standard, "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "-x", language])
+                .arg(root().join("include").join(name))
+                .output()
+                .unwrap();
+            assert!(done.status.success(), "{name}, {compiler}: {}", String::from_utf8_lossy(&done.stderr));
+        }
+    }
+}
+
+/// Where every field of every struct of the contract lies. A change here breaks every plugin and host that was built.
+#[test]
+fn the_layout_is_what_was_frozen() {
+    let mut program =
+        String::from("#include <stddef.h>\n#include <stdio.h>\n#include \"tenon_plugin.h\"\nint main(void) {\n");
+    for header in ["tenon_value.h", "tenon_plugin.h"] {
+        let text = std::fs::read_to_string(root().join("include").join(header)).unwrap();
+        let mut name = String::new();
+        for line in text.lines().map(str::trim) {
+            if let Some(rest) = line.strip_prefix("typedef struct ").and_then(|r| r.strip_suffix(" {")) {
+                name = rest.to_owned();
+                program += &format!("printf(\"{name} %zu\\n\", sizeof({name}));\n");
+            } else if line.starts_with('}') {
+                name.clear();
+            } else if !name.is_empty() && !line.starts_with("//") {
+                // A function pointer may go over several lines; its name stands in the first.
+                let field = match line.split_once("(*") {
+                    Some((_, rest)) => rest.split(')').next().unwrap(),
+                    None if line.ends_with(");") || !line.ends_with(';') => continue,
+                    None => line.trim_end_matches(';').rsplit([' ', '*']).next().unwrap(),
+                };
+                program += &format!("printf(\"  {field} %zu\\n\", offsetof({name}, {field}));\n");
+            }
+        }
+    }
+    program += "return 0; }\n";
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let (source, binary) = (folder.join("layout.c"), folder.join("layout"));
+    std::fs::write(&source, program).unwrap();
+    let include = root().join("include");
+    let done =
+        std::process::Command::new("cc").arg("-I").arg(include).arg(&source).arg("-o").arg(&binary).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let out = String::from_utf8(std::process::Command::new(&binary).output().unwrap().stdout).unwrap();
+    assert!(out.lines().count() > 100, "{out}");
+    let target = format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS);
+    compare(&format!("tests/layout-{target}.txt"), &out);
+}

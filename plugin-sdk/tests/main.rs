@@ -1,0 +1,3 @@
+//! The contract: its headers, and what crosses.
+
+mod headers;

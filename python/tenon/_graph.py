@@ -1,0 +1,272 @@
+"""Engine, graph and result."""
+
+from __future__ import annotations
+
+import ctypes as c
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+
+from . import _c
+from ._c import LIB
+from ._values import Value, column
+
+PathLike = Union[str, "os.PathLike[str]"]
+
+
+class TenonError(Exception):
+    """A call was refused or a graph failed. `node` names the node concerned, if there is one."""
+
+    def __init__(self, message: str, node: str = "") -> None:
+        super().__init__(message)
+        self.node = node
+
+
+def _must(error: Optional[int]) -> None:
+    if error:
+        message, node = str(LIB.tenon_error_message(error)), str(LIB.tenon_error_node(error))
+        LIB.tenon_error_free(error)
+        raise TenonError(message, node)
+
+
+def _text(call: Callable[..., Optional[int]], *arguments: Any) -> str:
+    out = c.c_void_p()
+    _must(call(*arguments, c.byref(out)))
+    text = str(LIB.tenon_text_get(out))
+    LIB.tenon_text_free(out)
+    return text
+
+
+def version() -> Tuple[int, int]:
+    """Major and minor version of the interface."""
+    number = LIB.tenon_version()
+    return number >> 16, number & 0xFFFF
+
+
+def handle_count() -> int:
+    """Handles that are alive: for tests of leaks."""
+    return int(LIB.tenon_handle_count())
+
+
+class _Owned:
+    """A handle that is freed with its object."""
+
+    _free: Callable[[Any], None]
+
+    def __init__(self, handle: c.c_void_p) -> None:
+        self._handle = handle
+
+    def __del__(self) -> None:
+        handle = getattr(self, "_handle", None)
+        if handle:
+            type(self)._free(handle)
+
+
+class Engine(_Owned):
+    """Node types and settings that graphs share."""
+
+    _free = LIB.tenon_engine_free
+
+    def __init__(self, threads: int = 0, plugins: Sequence[PathLike] = (), search: bool = False) -> None:
+        paths = [os.fspath(p).encode() for p in plugins]
+        config = _c.Config(size=c.sizeof(_c.Config), threads=threads, search=int(search))
+        config.plugins = (c.c_char_p * len(paths))(*paths)
+        config.plugin_count = len(paths)
+        out = c.c_void_p()
+        _must(LIB.tenon_engine_new(c.byref(config), c.byref(out)))
+        super().__init__(out)
+
+    def describe(self, node_type: Optional[str] = None) -> Any:
+        """A node type's description, or all of them."""
+        name = None if node_type is None else node_type.encode()
+        return json.loads(_text(LIB.tenon_engine_describe, self._handle, name))
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """What is wrong, and where."""
+
+    severity: str
+    code: str
+    message: str
+    hint: str
+    node: str
+    port: str
+    item: Optional[int]
+
+    def __str__(self) -> str:
+        place = f" {self.node}.{self.port}" if self.port else f" {self.node}" if self.node else ""
+        hint = f" ({self.hint})" if self.hint else ""
+        return f"{self.severity}[{self.code}]{place}: {self.message}{hint}"
+
+
+@dataclass(frozen=True)
+class NodeReport:
+    """What happened to a node in an evaluation."""
+
+    node: str
+    type_name: str
+    happened: str
+    seconds: float
+    bytes: int
+
+
+class Result(_Owned):
+    """What an evaluation came to; values are views of it and keep it alive."""
+
+    _free = LIB.tenon_result_free
+
+    @property
+    def ok(self) -> bool:
+        """No diagnostic is an error, and nobody cancelled."""
+        return LIB.tenon_result_status(self._handle) == 0
+
+    @property
+    def cancelled(self) -> bool:
+        """Somebody cancelled; there are no values."""
+        return LIB.tenon_result_status(self._handle) == 1
+
+    @property
+    def diagnostics(self) -> List[Diagnostic]:
+        """Errors, warnings and notes."""
+        found = []
+        for i in range(LIB.tenon_result_diagnostic_count(self._handle)):
+            d = _c.Diagnostic(size=c.sizeof(_c.Diagnostic))
+            _must(LIB.tenon_result_diagnostic(self._handle, i, c.byref(d)))
+            severity = ("note", "warning", "error")[d.severity]
+            item = None if d.item == 2**64 - 1 else d.item
+            found.append(Diagnostic(severity, *map(str, (d.code, d.message, d.hint, d.node, d.port)), item))
+        return found
+
+    @property
+    def nodes(self) -> List[NodeReport]:
+        """The nodes that were looked at."""
+        found = []
+        for i in range(LIB.tenon_result_node_count(self._handle)):
+            n = _c.NodeReport(size=c.sizeof(_c.NodeReport))
+            _must(LIB.tenon_result_node(self._handle, i, c.byref(n)))
+            found.append(NodeReport(str(n.node), str(n.type_name), str(n.happened), n.nanoseconds * 1e-9, n.bytes))
+        return found
+
+    def tree(self, output: str) -> Dict[Tuple[int, ...], Value]:
+        """An output's branches by path."""
+        tree = _c.Tree(size=c.sizeof(_c.Tree))
+        _must(LIB.tenon_result_output(self._handle, output.encode(), c.byref(tree)))
+        branches = {}
+        for i in range(tree.branch_count):
+            branch = _c.Branch.from_address(tree.branches + i * tree.branch_stride)
+            path = (c.c_int32 * branch.path_count).from_address(branch.path) if branch.path_count else ()
+            branches[tuple(path)] = column(self, branch.column)
+        return branches
+
+    def __getitem__(self, output: str) -> Any:
+        """An output: the item itself if there is one alone, else the list or array of the first branch."""
+        branches = list(self.tree(output).values())
+        if len(branches) != 1:
+            raise TenonError(f"{output} has {len(branches)} branches; use Result.tree")
+        items = branches[0]
+        return items[0] if len(items) == 1 else items
+
+    def json(self, output: str) -> Any:
+        """An output as JSON, for types that do not cross."""
+        return json.loads(_text(LIB.tenon_result_json, self._handle, output.encode()))
+
+    def check(self) -> "Result":
+        """Raises a TenonError if something is missing."""
+        if not self.ok:
+            errors = [d for d in self.diagnostics if d.severity == "error"]
+            message = "\n".join(map(str, errors)) or "cancelled"
+            raise TenonError(message, errors[0].node if errors else "")
+        return self
+
+
+class Graph(_Owned):
+    """A graph being worked on."""
+
+    _free = LIB.tenon_graph_free
+
+    @classmethod
+    def load(cls, path: PathLike, engine: Optional[Engine] = None) -> "Graph":
+        """Loads a `*.tenon.json`, or the one that a folder holds."""
+        file = Path(path)
+        if file.is_dir():
+            found = sorted(file.glob("*.tenon.json"))
+            if len(found) != 1:
+                raise TenonError(f"{file} holds {len(found)} graphs")
+            file = found[0]
+        return cls.from_text(file.read_bytes(), file.parent, engine)
+
+    @classmethod
+    def from_text(
+        cls, text: Union[str, bytes, Mapping[str, Any]], folder: Optional[PathLike] = None, engine: Optional[Engine] = None
+    ) -> "Graph":
+        """A graph from its text or from a dict; `folder` is where the files that it names are looked for."""
+        if isinstance(text, Mapping):
+            text = json.dumps(text)
+        data = text.encode() if isinstance(text, str) else text
+        place = None if folder is None else os.fspath(Path(folder).resolve()).encode()
+        engine = engine or Engine()
+        out = c.c_void_p()
+        _must(LIB.tenon_graph_load(engine._handle, data, len(data), place, c.byref(out)))
+        return cls(out)
+
+    def set(self, values: Optional[Mapping[str, Any]] = None, **named: Any) -> "Graph":
+        """Sets inputs: interface names as keywords, `node.port` in a dict. None brings a default back."""
+        for name, value in {**(values or {}), **named}.items():
+            plain = value.tolist() if hasattr(value, "tolist") else value
+            _must(LIB.tenon_graph_set(self._handle, name.encode(), json.dumps(plain).encode()))
+        return self
+
+    def add(self, node: str, node_type: str) -> "Graph":
+        """Adds a node."""
+        _must(LIB.tenon_graph_add_node(self._handle, node.encode(), node_type.encode()))
+        return self
+
+    def remove(self, node: str) -> "Graph":
+        """Removes a node and its wires."""
+        _must(LIB.tenon_graph_remove_node(self._handle, node.encode()))
+        return self
+
+    def connect(self, source: str, target: str) -> "Graph":
+        """Wires `node.port` to `node.port`."""
+        node, _, port = target.partition(".")
+        _must(LIB.tenon_graph_connect(self._handle, source.encode(), node.encode(), port.encode()))
+        return self
+
+    def disconnect(self, source: str, target: str) -> "Graph":
+        """Takes a wire away."""
+        node, _, port = target.partition(".")
+        _must(LIB.tenon_graph_disconnect(self._handle, source.encode(), node.encode(), port.encode()))
+        return self
+
+    @property
+    def inputs(self) -> List[Dict[str, Any]]:
+        """The interface's inputs: name, doc, unit, ports, min, max."""
+        return json.loads(_text(LIB.tenon_graph_interface, self._handle, 0))
+
+    @property
+    def outputs(self) -> List[Dict[str, Any]]:
+        """The interface's outputs: name, doc, unit, ports."""
+        return json.loads(_text(LIB.tenon_graph_interface, self._handle, 1))
+
+    def save(self) -> str:
+        """The graph's text with all values set so far."""
+        return _text(LIB.tenon_graph_save, self._handle)
+
+    def evaluate(self, *outputs: str, progress: Optional[Callable[[float, str], Any]] = None) -> Result:
+        """Brings outputs up to date, all of the interface if none is named. `progress` gets fraction and node; giving
+        False cancels. Other Python threads go on meanwhile."""
+        names = [name.encode() for name in outputs]
+        options = _c.Options(size=c.sizeof(_c.Options))
+        if progress is not None:
+            options.progress = _c.PROGRESS(lambda _, fraction, node: int(progress(fraction, str(node)) is not False))
+        out = c.c_void_p()
+        array = (c.c_char_p * len(names))(*names)
+        _must(LIB.tenon_graph_evaluate(self._handle, array, len(names), c.byref(options), c.byref(out)))
+        return Result(out)
+
+    def cancel(self) -> None:
+        """Stops the evaluation that runs, from another thread."""
+        LIB.tenon_graph_cancel(self._handle)

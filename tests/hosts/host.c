@@ -1,0 +1,196 @@
+/* A host in C: loads a graph, moves a control point a hundred times, reads the panels in place, and tries the calls
+   that a host gets wrong. Prints what it found; ends with 1 at the first thing that is not as it should be.
+     host GRAPH.tenon.json     (the environment's MOVES: how often the point is moved) */
+#include "tenon.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CHECK(condition)                                                                                                 \
+    do {                                                                                                                 \
+        if (!(condition)) {                                                                                              \
+            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                                              \
+            exit(1);                                                                                                     \
+        }                                                                                                                \
+    } while (0)
+
+static void must(tenon_error *error) {
+    if (error != NULL) {
+        tenon_str message = tenon_error_message(error);
+        fprintf(stderr, "error %d: %.*s\n", (int)tenon_error_status(error), (int)message.len, message.ptr);
+        exit(1);
+    }
+}
+
+/* The call must fail with that status and words that hold `part`. */
+static void refused(tenon_error *error, tenon_status status, const char *part) {
+    CHECK(error != NULL);
+    CHECK(tenon_error_status(error) == status);
+    tenon_str message = tenon_error_message(error);
+    char text[1000] = {0};
+    memcpy(text, message.ptr, message.len < sizeof text ? (size_t)message.len : sizeof text - 1);
+    if (strstr(text, part) == NULL) {
+        fprintf(stderr, "\"%s\" does not say \"%s\"\n", text, part);
+        exit(1);
+    }
+    tenon_error_free(error);
+    tenon_error_free(error); /* a second time does nothing */
+}
+
+static char *read_all(const char *path, uint64_t *length) {
+    FILE *file = fopen(path, "rb");
+    CHECK(file != NULL);
+    CHECK(fseek(file, 0, SEEK_END) == 0);
+    long size = ftell(file);
+    CHECK(size > 0 && fseek(file, 0, SEEK_SET) == 0);
+    char *text = malloc((size_t)size);
+    CHECK(text != NULL && fread(text, 1, (size_t)size, file) == (size_t)size);
+    fclose(file);
+    *length = (uint64_t)size;
+    return text;
+}
+
+/* The panels of a result, read in place. */
+static const tenon_panels *panels_of(const tenon_result *result) {
+    tenon_tree tree = {.size = sizeof tree};
+    must(tenon_result_output(result, "panels", &tree));
+    CHECK(tree.branch_count == 1 && tree.branches[0].column.kind == TENON_PANELS);
+    CHECK(tree.branches[0].column.count == 1 && tree.branches[0].column.valid == NULL);
+    const tenon_panels *panels = tree.branches[0].column.items;
+    CHECK(panels->corner_start[panels->panel_count] == panels->corner_count);
+    return panels;
+}
+
+static double highest(const tenon_panels *panels) {
+    double z = -INFINITY;
+    for (uint64_t i = 0; i < panels->corner_count; i++) {
+        CHECK(isfinite(panels->front[i].x) && isfinite(panels->front[i].y) && isfinite(panels->front[i].z));
+        z = fmax(z, panels->front[i].z);
+    }
+    return z;
+}
+
+static int32_t hear(void *context, double fraction, tenon_str node) {
+    CHECK(fraction >= 0.0 && fraction <= 1.0 && node.len > 0);
+    ++*(int *)context;
+    return 1;
+}
+
+static int32_t stop(void *context, double fraction, tenon_str node) {
+    (void)context, (void)fraction, (void)node;
+    return 0;
+}
+
+int main(int argc, char **argv) {
+    CHECK(argc == 2);
+    CHECK(tenon_version() >> 16 == 1);
+    uint64_t length;
+    char *json = read_all(argv[1], &length);
+    tenon_engine_config config = {.size = sizeof config, .threads = 2};
+    tenon_engine *engine;
+    must(tenon_engine_new(&config, &engine));
+    tenon_graph *graph;
+    must(tenon_graph_load(engine, json, length, NULL, &graph));
+
+    /* Evaluate, and read the panels. */
+    const char *wanted[] = {"panels", "net_area"};
+    int heard = 0;
+    tenon_evaluate_options options = {.size = sizeof options, .context = &heard, .progress = hear};
+    tenon_result *first;
+    must(tenon_graph_evaluate(graph, wanted, 2, &options, &first));
+    CHECK(tenon_result_status(first) == TENON_OK && heard > 0);
+    const tenon_panels *panels = panels_of(first);
+    CHECK(panels->panel_count == 256 && panels->thickness == 10.0);
+    uint64_t inner = 0;
+    for (uint64_t i = 0; i < panels->corner_count; i++) inner += panels->neighbour[i].panel != TENON_NONE;
+    CHECK(inner == 2 * (2 * 16 * 15));
+    tenon_tree area = {.size = sizeof area};
+    must(tenon_result_output(first, "net_area", &area));
+    CHECK(area.branches[0].column.kind == TENON_NUMBER && *(const double *)area.branches[0].column.items > 1e6);
+    printf("%d panels, highest point at %.1f mm\n", (int)panels->panel_count, highest(panels));
+
+    /* Move a control point: what was read before stays as it was. */
+    const char *text = getenv("MOVES");
+    int moves = text != NULL ? atoi(text) : 100;
+    double before = highest(panels);
+    double last = before;
+    for (int i = 1; i <= moves; i++) {
+        char points[200];
+        snprintf(points, sizeof points, "[[0, 0, 0], [900, 0, %d], [3600, 0, 1500], [4500, 0, 0]]", 1500 + i);
+        must(tenon_graph_set(graph, "arc.points", points));
+        tenon_result *result;
+        must(tenon_graph_evaluate(graph, wanted, 1, NULL, &result));
+        CHECK(tenon_result_status(result) == TENON_OK);
+        double now = highest(panels_of(result));
+        CHECK(now > last);
+        last = now;
+        tenon_result_free(result);
+    }
+    CHECK(highest(panels) == before);
+
+    /* What happened to each node. */
+    tenon_result *again;
+    must(tenon_graph_evaluate(graph, wanted, 1, NULL, &again));
+    CHECK(tenon_result_node_count(again) == 0); /* nothing changed, nothing ran */
+    tenon_result_free(again);
+
+    /* Cancelled: publishes nothing. */
+    must(tenon_graph_set_number(graph, "thickness", 12.0));
+    options.progress = stop;
+    must(tenon_graph_evaluate(graph, wanted, 1, &options, &again));
+    CHECK(tenon_result_status(again) == TENON_CANCELLED);
+    tenon_tree tree = {.size = sizeof tree};
+    refused(tenon_result_output(again, "panels", &tree), TENON_BAD_ARGUMENT, "panels");
+    tenon_result_free(again);
+
+    /* Edit: a node more, wired, and read. */
+    must(tenon_graph_add_node(graph, "doubled", "expression"));
+    must(tenon_graph_set(graph, "doubled.formula", "\"x * 2\""));
+    must(tenon_graph_connect(graph, "thicken.area", "doubled", "x"));
+    const char *doubled[] = {"doubled.value"};
+    must(tenon_graph_evaluate(graph, doubled, 1, NULL, &again));
+    CHECK(tenon_result_status(again) == TENON_OK);
+    must(tenon_result_output(again, "doubled.value", &tree));
+    tenon_result_free(again);
+    must(tenon_graph_remove_node(graph, "doubled"));
+
+    /* What a host gets wrong. */
+    refused(tenon_graph_set(graph, "thicknes", "12"), TENON_FAILED, "did you mean \"thickness\"");
+    refused(tenon_graph_set_number(graph, "thickness", 500.0), TENON_FAILED, "4 to 30");
+    refused(tenon_graph_set_number(graph, "thickness", NAN), TENON_BAD_ARGUMENT, "finite");
+    refused(tenon_graph_set(graph, "thickness", "12,"), TENON_BAD_ARGUMENT, "json");
+    refused(tenon_graph_set(graph, NULL, "12"), TENON_BAD_ARGUMENT, "name is NULL");
+    refused(tenon_graph_set(graph, "\xff\xfe", "12"), TENON_BAD_ARGUMENT, "UTF-8");
+    refused(tenon_graph_set((tenon_graph *)engine, "thickness", "12"), TENON_BAD_ARGUMENT, "of kind engine");
+    refused(tenon_graph_set((tenon_graph *)&heard, "thickness", "12"), TENON_BAD_ARGUMENT, "never given");
+    refused(tenon_graph_load(engine, "{", 1, NULL, &graph), TENON_FAILED, "line 1");
+    refused(tenon_graph_load(engine, NULL, 10, NULL, &graph), TENON_BAD_ARGUMENT, "json is NULL");
+    refused(tenon_graph_load(engine, json, UINT64_MAX, NULL, &graph), TENON_BAD_ARGUMENT, "impossible");
+    refused(tenon_result_output(first, "boards", &tree), TENON_BAD_ARGUMENT, "not asked for");
+    tree.size = 0;
+    refused(tenon_result_output(first, "panels", &tree), TENON_BAD_ARGUMENT, "sizeof");
+
+    /* A host of an older, shorter version of a struct gets what fits. */
+    tenon_tree shorter;
+    memset(&shorter, 0x55, sizeof shorter);
+    shorter.size = 16;
+    must(tenon_result_output(first, "panels", &shorter));
+    CHECK(shorter.size == 16 && shorter.branches != NULL && shorter.branch_count == UINT64_C(0x5555555555555555));
+
+    /* Save, free early, read late. */
+    tenon_text *saved;
+    must(tenon_graph_save(graph, &saved));
+    CHECK(tenon_text_get(saved).len > 1000);
+    tenon_graph_free(graph);
+    tenon_engine_free(engine);
+    CHECK(highest(panels) == before);
+    refused(tenon_graph_set(graph, "thickness", "12"), TENON_BAD_ARGUMENT, "freed");
+    tenon_graph_free(graph);
+    tenon_text_free(saved);
+    tenon_result_free(first);
+    CHECK(tenon_result_status(first) == TENON_BAD_ARGUMENT);
+    CHECK(tenon_handle_count() == 0);
+    free(json);
+    return 0;
+}
