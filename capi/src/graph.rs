@@ -53,8 +53,12 @@ impl Host for Folder {
 
 impl Graph {
     fn new(engine: &Engine, document: Document, folder: Option<PathBuf>) -> Self {
-        let options =
-            Options { threads: engine.threads, cache_bytes: engine.cache_bytes, host: Arc::new(Folder(folder)) };
+        let options = Options {
+            threads: engine.threads,
+            cache_bytes: engine.cache_bytes,
+            host: Arc::new(Folder(folder)),
+            ..Options::default()
+        };
         let session = Session::new(engine.registry.clone(), document, options);
         Self { session: session.into(), running: Mutex::new(None) }
     }

@@ -153,6 +153,9 @@ pub struct SweepRowArgs {
     /// Threads to use; 0 means all there are
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub threads: u16,
+    /// Where results are kept from run to run
+    #[command(flatten)]
+    pub cache: CacheArgs,
     /// Print the row's result as JSON on stdout
     #[arg(long)]
     pub json: bool,
@@ -169,9 +172,23 @@ pub struct SweepRunArgs {
     /// Rows evaluated at the same time; they share the machine's threads
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub jobs: u16,
+    /// Where results are kept from run to run
+    #[command(flatten)]
+    pub cache: CacheArgs,
     /// Print what was done as JSON on stdout
     #[arg(long)]
     pub json: bool,
+}
+
+/// Where results are kept from run to run.
+#[derive(Clone, Debug, Default, Args)]
+pub struct CacheArgs {
+    /// Keep the results of slow nodes in DIR (made if it is not there) and use those that are there
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
+    /// With --cache: the most that DIR may take, in MiB; what was used longest ago goes first
+    #[arg(long, value_name = "MIB", requires = "cache", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1..))]
+    pub cache_size: u32,
 }
 
 /// Options of `tenon run`.
@@ -195,6 +212,9 @@ pub struct RunArgs {
     /// Threads to use; 0 means all there are
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub threads: u16,
+    /// Where results are kept from run to run
+    #[command(flatten)]
+    pub cache: CacheArgs,
     /// Print how long each node took
     #[arg(long)]
     pub profile: bool,
@@ -220,6 +240,9 @@ pub struct WatchArgs {
     /// Threads to use; 0 means all there are
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub threads: u16,
+    /// Where results are kept from run to run
+    #[command(flatten)]
+    pub cache: CacheArgs,
     /// Give programs their final names although their proof failed or was skipped
     #[arg(long)]
     pub unproven: bool,
@@ -292,6 +315,9 @@ pub struct InspectArgs {
     /// Threads to use; 0 means all there are
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub threads: u16,
+    /// Where results are kept from run to run
+    #[command(flatten)]
+    pub cache: CacheArgs,
 }
 
 /// Options of `tenon explain`.
@@ -336,4 +362,7 @@ pub struct TestArgs {
     /// Threads to use; 0 means all there are
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub threads: u16,
+    /// Where results are kept from run to run
+    #[command(flatten)]
+    pub cache: CacheArgs,
 }

@@ -13,7 +13,7 @@ const SHOWN: usize = 8;
 
 /// Evaluates what one port depends on and shows what stands there.
 pub fn inspect(args: &InspectArgs) -> Result<End, Wrong> {
-    let (_, mut session) = run::open(&args.graph, &args.set, args.threads)?;
+    let (_, mut session) = run::open(&args.graph, &args.set, args.threads, &args.cache)?;
     let name = args.port.as_str();
     let unknown = |d: Diagnostic| Wrong::new("inspect", format!("{name} cannot be shown")).because(vec![d]);
     // An output first: a node may call an output and an input the same.
@@ -37,6 +37,7 @@ pub fn inspect(args: &InspectArgs) -> Result<End, Wrong> {
             return Ok(End::Interrupted);
         }
         diagnostics = report.diagnostics;
+        diagnostics.extend(report.cache);
     }
     let tree = match output {
         Ok(()) => session.value(name),

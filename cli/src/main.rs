@@ -4,6 +4,7 @@
 //! words and exit codes.
 
 mod args;
+mod cache;
 mod check;
 mod codes;
 mod explain;

@@ -1,11 +1,11 @@
 //! `tenon run`: evaluates a graph, writes its files, prints values, says how it went.
 
-use crate::args::RunArgs;
+use crate::args::{CacheArgs, RunArgs};
 use crate::files::{self, Made};
 use crate::output::{self, Staged};
 use crate::progress::Bar;
 use crate::words::{Voice, Wrong, print, print_json, to_json};
-use crate::{End, graph, interrupt};
+use crate::{End, cache, graph, interrupt};
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -28,7 +28,7 @@ struct Get<'a> {
 pub fn run(args: &RunArgs) -> Result<End, Wrong> {
     let voice = Voice::new();
     let gets: Vec<Get> = args.get.iter().map(|g| parse_get(g)).collect();
-    let (file, mut session) = open(&args.graph, &args.set, args.threads)?;
+    let (file, mut session) = open(&args.graph, &args.set, args.threads, &args.cache)?;
     // What can be known to fail is tried before the work begins.
     if let Some(dir) = &args.out {
         output::prepare_folder(dir)?;
@@ -46,6 +46,7 @@ pub fn run(args: &RunArgs) -> Result<End, Wrong> {
     }
 
     let mut diagnostics = report.diagnostics.clone();
+    diagnostics.extend_from_slice(&report.cache);
     let mut values = BTreeMap::new();
     let mut staged = Staged::default();
     for get in &gets {
@@ -93,12 +94,16 @@ pub fn run(args: &RunArgs) -> Result<End, Wrong> {
 }
 
 /// Opens a graph with inputs set as `--set` says.
-pub fn open(graph: &Path, sets: &[String], threads: u16) -> Result<(PathBuf, Session), Wrong> {
+pub fn open(graph: &Path, sets: &[String], threads: u16, cache: &CacheArgs) -> Result<(PathBuf, Session), Wrong> {
     let (file, document) = graph::load(graph)?;
     let sets = sets.iter().map(|s| parse_set(s)).collect::<Result<Vec<_>, _>>()?;
     let texts: HashSet<String> = sets.iter().map(|(_, text)| (*text).to_owned()).collect();
-    let options =
-        Options { threads: threads.into(), cache_bytes: CACHE, host: Arc::new(graph::Files::new(&file, texts)) };
+    let options = Options {
+        threads: threads.into(),
+        cache_bytes: CACHE,
+        host: Arc::new(graph::Files::new(&file, texts)),
+        store: cache::store(cache),
+    };
     let registry = Arc::new(crate::plugins::registry_for(&document)?);
     let mut session = Session::new(registry, document, options);
     for (name, text) in sets {

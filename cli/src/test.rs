@@ -99,7 +99,7 @@ fn one(
     cancel: &Arc<AtomicBool>,
     tested: &mut Tested,
 ) -> Result<Option<Vec<Outcome>>, Wrong> {
-    let (file, mut session) = run::open(path, &[], args.threads)?;
+    let (file, mut session) = run::open(path, &[], args.threads, &args.cache)?;
     tested.graph.clone_from(&file);
     let beside = beside(&file);
     let missing = !beside.exists();
@@ -125,6 +125,7 @@ fn one(
         return Ok(None);
     }
     tested.elapsed = report.elapsed;
+    Voice::new().diagnostics(&report.cache);
     if !args.record {
         return Ok(Some(expected.check(&session, &report)));
     }

@@ -7,7 +7,7 @@ use crate::files::{self, Made};
 use crate::output::{self, Staged};
 use crate::run::{CACHE, literal, parse_set, seconds, size};
 use crate::words::{Voice, Wrong, print, to_json};
-use crate::{End, graph, interrupt};
+use crate::{End, cache, graph, interrupt};
 use changes::{Changes, Look};
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
@@ -35,7 +35,8 @@ pub fn watch(args: &WatchArgs) -> Result<End, Wrong> {
     }
     let texts: HashSet<String> = sets.iter().map(|(_, text)| (*text).to_owned()).collect();
     let inputs = Arc::new(Changes::new(graph::Files::new(&file, texts)));
-    let options = Options { threads: args.threads.into(), cache_bytes: CACHE, host: inputs.clone() };
+    let store = cache::store(&args.cache);
+    let options = Options { threads: args.threads.into(), cache_bytes: CACHE, host: inputs.clone(), store };
     let registry = Arc::new(crate::plugins::registry_for(&document)?);
     let no_thread = |error| Wrong::new("no-thread", format!("the system gives no thread: {error}"));
     // Nothing runs before the inputs are set.
@@ -96,6 +97,7 @@ fn tell(live: &Live, snapshot: &Snapshot, graph: &Path, args: &WatchArgs, voice:
         voice.say(&format!("{} is of an earlier run: it is now called .stale", path.display()));
     }
     let mut diagnostics = report.diagnostics.clone();
+    diagnostics.extend_from_slice(&report.cache);
     diagnostics.extend(made.iter().filter_map(Made::diagnostic));
     voice.diagnostics(&diagnostics);
     let errors = diagnostics.iter().filter(|d| d.severity == Severity::Error).count();

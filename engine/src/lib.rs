@@ -22,9 +22,11 @@ pub use document::{
     Cluster, DEFAULT_SIZE_LIMIT, DEPTH_LIMIT, Document, Fields, History, InterfaceInput, InterfaceOutput, Link, Node,
     NodeState, Operation, OuterWires, Paste, Table, TreeOp, Wires,
 };
+pub use evaluate::kept::{Kept, NotKept};
 pub use evaluate::matching::Matching;
 pub use evaluate::report::{Control, Event, Events, Happened, NodeReport, NodeReports, Progress, Report};
 pub use evaluate::session::{Host, NoHost, Options, Session};
+pub use evaluate::store::{Store, StoreFault};
 pub use expect::{Expectations, Outcome, Tolerance};
 pub use expression::{Dimension, Expression, ExpressionError, ExpressionFault, Quantity};
 pub use live::{Live, Snapshot};
@@ -32,4 +34,4 @@ pub use numeric::{Random, Statistics};
 pub use port::{Access, Port, Unit};
 pub use registry::{Conversion, NodeType, Registry, RegistryError};
 pub use schema::{schema, schema_with_nodes};
-pub use value::{Column, Digester, File, Item, Json, Path, Text, Tree, digest_bytes};
+pub use value::{Column, Digester, File, Item, Json, Path, Text, Tree, digest_bytes, pack, unpack};

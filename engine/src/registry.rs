@@ -314,6 +314,11 @@ impl Registry {
         self.types.insert(T::TYPE, ItemType::of::<T>());
     }
 
+    /// A column without items of the type of that name.
+    pub(crate) fn empty_column(&self, type_name: &str) -> Option<Column> {
+        self.types.get(type_name).map(|t| (t.empty)())
+    }
+
     /// Names of all item types.
     pub fn type_names(&self) -> impl Iterator<Item = &'static str> {
         self.types.keys().copied()

@@ -19,4 +19,5 @@ mod model;
 mod operations;
 mod ports;
 mod scale;
+mod store;
 mod threads;

@@ -4,11 +4,12 @@
 use crate::ifs::Curve;
 use crate::plane::Plane;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// A closed line of at least three corners that encloses an area. The last corner is joined to the first one, which is
 /// not repeated, and no corner is where the one before it is. Its corners need not lie in one plane: see
 /// [`Polygon::flatness`].
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Polygon {
     corners: Vec<DVec3>,
 }

@@ -3,6 +3,7 @@
 mod board;
 mod codes;
 mod curve;
+pub mod disk;
 pub mod exchange;
 mod files;
 pub mod io;

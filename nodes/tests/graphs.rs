@@ -19,11 +19,16 @@ impl Host for Beside {
     }
 }
 
-fn run(graph: &str, set: &[(&str, Value)]) -> (Session, Report) {
+/// A shipped graph, and what reads its files.
+pub fn document(graph: &str) -> (Document, Arc<dyn Host>) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../graphs").join(graph);
     let bytes = std::fs::read(folder.join(format!("{graph}.tenon.json"))).unwrap();
-    let document = Document::from_slice(&bytes).unwrap();
-    let options = Options { host: Arc::new(Beside(folder)), ..Options::default() };
+    (Document::from_slice(&bytes).unwrap(), Arc::new(Beside(folder)))
+}
+
+fn run(graph: &str, set: &[(&str, Value)]) -> (Session, Report) {
+    let (document, host) = document(graph);
+    let options = Options { host, ..Options::default() };
     let mut session = Session::new(Arc::new(tenon_nodes::registry()), document, options);
     for (name, value) in set {
         session.set(name, value.clone()).unwrap();

@@ -8,6 +8,7 @@ mod expression;
 #[path = "../../fuzz/src/lib.rs"]
 mod fuzz;
 mod graphs;
+mod kept;
 mod order;
 mod polygons;
 mod registry;

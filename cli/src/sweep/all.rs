@@ -5,11 +5,11 @@ use super::row::{Bench, Found, Inputs, Lock, damage, finished, found};
 use crate::args::SweepRunArgs;
 use crate::progress::Bar;
 use crate::words::{Voice, Wrong, print, print_json};
-use crate::{End, interrupt, output};
+use crate::{End, cache, interrupt, output};
 use std::num::NonZero;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use tenon_engine::{Control, Json, Progress};
+use tenon_engine::{Control, Diagnostic, Json, Progress};
 
 /// One line per row of the plan, in its order.
 const TABLE: &str = "results.jsonl";
@@ -37,8 +37,9 @@ pub fn run(args: &SweepRunArgs) -> Result<End, Wrong> {
     let bar = Bar::new(args.json);
     let evaluated = evaluate(args, &pending, before, &cancel, &bar);
     bar.clear();
-    let evaluated = evaluated?;
+    let (evaluated, told) = evaluated?;
     let voice = Voice::new();
+    voice.diagnostics(&told);
     if cancel.load(Ordering::SeqCst) {
         let done = before + evaluated;
         voice.say(&format!("interrupted: {done} of {} rows are finished; the same call goes on from here", rows.len()));
@@ -92,22 +93,24 @@ fn fault(planned: &Planned, result: &Json) -> String {
     format!("{} {}: {first}{more}", row.key, set.join(" "))
 }
 
-/// Evaluates the rows in order, `jobs` at a time, and says how many.
+/// Evaluates the rows in order, `jobs` at a time, and says how many, and what went wrong with the cache.
 fn evaluate(
     args: &SweepRunArgs,
     rows: &[&Planned],
     before: usize,
     cancel: &Arc<AtomicBool>,
     bar: &Bar,
-) -> Result<usize, Wrong> {
+) -> Result<(usize, Vec<Diagnostic>), Wrong> {
     let jobs = usize::from(args.jobs).min(rows.len());
     let threads = std::thread::available_parallelism().map_or(1, NonZero::get) / jobs.max(1);
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let first_fault = Mutex::new(None);
+    let store = cache::store(&args.cache);
+    let told: Mutex<Vec<Diagnostic>> = Mutex::default();
     let total = (before + rows.len()) as f64;
     let registry = Arc::new(crate::plugins::registry()?);
     let work = || {
-        let mut bench = Bench::new(registry.clone(), threads.max(1), crate::run::CACHE / jobs);
+        let mut bench = Bench::new(registry.clone(), threads.max(1), crate::run::CACHE / jobs, store.clone());
         while !cancel.load(Ordering::Relaxed) {
             if first_fault.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
                 return;
@@ -121,7 +124,11 @@ fn evaluate(
             };
             let control = Control { cancel: cancel.clone(), on_progress: Some(&show) };
             match bench.evaluate(row, &control, &args.out) {
-                Ok(Some(_)) => {
+                Ok(Some(made)) => {
+                    let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+                    // A folder that cannot be used is the same in every row.
+                    told.extend(made.cache);
+                    told.dedup();
                     done.fetch_add(1, Ordering::Relaxed);
                 }
                 Ok(None) => return,
@@ -139,6 +146,6 @@ fn evaluate(
     });
     match first_fault.into_inner().unwrap_or_else(PoisonError::into_inner) {
         Some(wrong) => Err(wrong),
-        None => Ok(done.into_inner()),
+        None => Ok((done.into_inner(), told.into_inner().unwrap_or_else(PoisonError::into_inner))),
     }
 }

@@ -8,7 +8,7 @@ mod vary;
 
 use crate::args::{SweepCommand, SweepRowArgs};
 use crate::words::{Voice, Wrong, print, print_json};
-use crate::{End, interrupt, output};
+use crate::{End, cache, interrupt, output};
 use row::{Bench, Found, Inputs, Lock};
 use tenon_engine::{Control, Json, Progress};
 
@@ -39,7 +39,12 @@ fn run_row(args: &SweepRowArgs) -> Result<End, Wrong> {
     };
     output::prepare_folder(&args.out)?;
     let _lock = Lock::shared(&args.out)?;
-    let mut bench = Bench::new(crate::plugins::registry()?.into(), args.threads.into(), crate::run::CACHE);
+    let mut bench = Bench::new(
+        crate::plugins::registry()?.into(),
+        args.threads.into(),
+        crate::run::CACHE,
+        cache::store(&args.cache),
+    );
     // A plan of another graph is refused even where the result is there.
     bench.load(row)?;
     let found = row::found(&args.out, row, &mut Inputs::default());
@@ -60,6 +65,7 @@ fn run_row(args: &SweepRowArgs) -> Result<End, Wrong> {
             return Ok(End::Interrupted);
         };
         Voice::new().diagnostics(&made.diagnostics);
+        Voice::new().diagnostics(&made.cache);
         made.result
     };
     if args.json {

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tenon_engine::sweep::{RowEvaluator, seal, unseal};
-use tenon_engine::{Control, Diagnostic, Host, Json, Options, Registry, Severity, digest_bytes};
+use tenon_engine::{Control, Diagnostic, Host, Json, Options, Registry, Severity, Store, digest_bytes};
 
 /// Name of the file that says what a row came to.
 const RESULT: &str = "result.json";
@@ -27,6 +27,7 @@ pub struct Bench {
     registry: Arc<Registry>,
     threads: usize,
     cache_bytes: usize,
+    store: Option<Arc<dyn Store>>,
     loaded: Option<(PathBuf, RowEvaluator)>,
 }
 
@@ -36,12 +37,19 @@ pub struct RowResult {
     pub result: Json,
     /// All its diagnostics.
     pub diagnostics: Vec<Diagnostic>,
+    /// What went wrong with the cache: of no matter to the result, and so not in it.
+    pub cache: Vec<Diagnostic>,
 }
 
 impl Bench {
     /// A session of so many threads (0: all there are) and so much memory for results, bytes.
-    pub fn new(registry: Arc<Registry>, threads: usize, cache_bytes: usize) -> Self {
-        Self { registry, threads, cache_bytes, loaded: None }
+    /// `store`: where results outlive it.
+    pub fn new(registry: Arc<Registry>, threads: usize, cache_bytes: usize, store: Option<Arc<dyn Store>>) -> Self {
+        Self { registry, threads, cache_bytes, store, loaded: None }
+    }
+
+    fn options(&self, host: Arc<dyn Host>) -> Options {
+        Options { threads: self.threads, cache_bytes: self.cache_bytes, host, store: self.store.clone() }
     }
 
     /// Reads the row's graph, unless it is at hand.
@@ -55,7 +63,7 @@ impl Bench {
             None => {
                 let (_, document) = graph::load(&planned.graph)?;
                 let host = Arc::new(graph::Files::new(&planned.graph, HashSet::new()));
-                let options = Options { threads: self.threads, cache_bytes: self.cache_bytes, host };
+                let options = self.options(host);
                 let evaluator = RowEvaluator::new(self.registry.clone(), document, options);
                 self.loaded.insert((planned.graph.clone(), evaluator))
             }
@@ -85,7 +93,8 @@ impl Bench {
         if report.cancelled {
             return Ok(None);
         }
-        write(evaluator, planned, report.diagnostics, dir).map(Some)
+        let made = write(evaluator, planned, report.diagnostics, dir)?;
+        Ok(Some(RowResult { cache: report.cache, ..made }))
     }
 }
 
@@ -120,7 +129,7 @@ fn write(
     }
     // The rename itself is durable once the folder is synced; systems that cannot sync folders say so here.
     let _ = File::open(dir).and_then(|f| f.sync_all());
-    Ok(RowResult { result, diagnostics })
+    Ok(RowResult { result, diagnostics, cache: Vec::new() })
 }
 
 /// The content of `result.json`: without times, so that the same row always gives the same bytes.

@@ -69,6 +69,16 @@ pub const CODES: &[Code] = &[
         "The node did not run because something that it depends on failed or is missing.",
         "Look at the diagnostics of the node that it names; this one goes away with them.",
     ),
+    code(
+        "cache-damaged",
+        "A result that was kept on disk is not what was written: a byte is another, or the end is missing.",
+        "Nothing has to be done: the result was computed anew and replaces the damaged one. If it comes again, check the disk.",
+    ),
+    code(
+        "cache-failed",
+        "The folder of kept results cannot be read or written.",
+        "The run is as good as without the folder, only slower. Look at its rights and at the space that is left.",
+    ),
     code("cancelled", "The evaluation was asked to stop.", "Nothing of it stands; start it again."),
     code(
         "cluster-cycle",

@@ -55,6 +55,8 @@ impl Session {
             self.memo.put(key, outputs, reports, outcome.failed, time.as_nanos() as u64);
         }
         self.note(n, if outcome.failed { Happened::Failed } else { Happened::Executed }, time, e);
+        // It has a time of its own: what cheap nodes behind it share is not its business.
+        e.settled = e.reports.len();
     }
 
     /// Remembers what was finished when the evaluation was cancelled, though nothing of it is put in place. What cheap nodes

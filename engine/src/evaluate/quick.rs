@@ -110,3 +110,40 @@ impl Session {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::*;
+    use std::sync::Arc;
+    use std::time::Duration;
+
+    #[test]
+    fn cheap_nodes_leave_the_time_of_others_alone() {
+        let port = || Port::item::<f64>("x").default(1.0);
+        let pass = |c: &mut Call<'_>| {
+            let x = c.number("x")?;
+            c.set("x", x);
+            Ok(())
+        };
+        let nap = Duration::from_millis(5);
+        let slow = move |c: &mut Call<'_>| {
+            std::thread::sleep(nap);
+            pass(c)
+        };
+        let mut registry = Registry::new();
+        let cheap = NodeType::new("cheap", 1).cheap().input(port()).output(Port::item::<f64>("x")).run(pass);
+        let slow = NodeType::new("slow", 1).slow().input(port()).output(Port::item::<f64>("x")).run(slow);
+        registry.register(cheap).and_then(|()| registry.register(slow)).unwrap();
+        let mut document = Document::new();
+        document.insert("a", Node::new("cheap")).unwrap();
+        document.insert("b", Node::new("slow").wire("x", "a.x")).unwrap();
+        for (id, from) in [("c", "b.x"), ("d", "c.x"), ("e", "d.x")] {
+            document.insert(id, Node::new("cheap").wire("x", from)).unwrap();
+        }
+        let mut session = Session::new(Arc::new(registry), document, Options::default());
+        let report = session.evaluate(&["e.x"], &Control::default());
+        let time = |id: &str| report.node(id).map(|n| n.time).unwrap();
+        assert!(time("b") >= nap, "{:?}", time("b"));
+        assert!(["a", "c", "d", "e"].iter().all(|id| time(id) > Duration::ZERO));
+    }
+}

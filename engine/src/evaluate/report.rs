@@ -33,6 +33,8 @@ pub enum Happened {
     CutOff,
     /// Its result was remembered from an earlier run with the same inputs.
     Memo,
+    /// Its result was kept from an earlier process with the same inputs.
+    Disk,
     /// Something that it depends on failed or is missing.
     Blocked,
     /// It failed, or cannot run as the document stands.
@@ -53,6 +55,7 @@ impl Happened {
             Self::Executed => "executed",
             Self::CutOff => "cut-off",
             Self::Memo => "memo",
+            Self::Disk => "disk",
             Self::Blocked => "blocked",
             Self::Failed => "failed",
             Self::Frozen => "frozen",
@@ -69,6 +72,8 @@ pub enum Event<N> {
     Executed(N),
     /// Its result was remembered.
     MemoHit(N),
+    /// Its result was kept from an earlier process.
+    DiskHit(N),
     /// Nothing that depends on it needs to run: its inputs or its outputs are the same as before.
     CutOff(N),
     /// It failed.
@@ -86,6 +91,7 @@ impl<N> Event<N> {
         match self {
             Self::Executed(n) => Event::Executed(f(n)),
             Self::MemoHit(n) => Event::MemoHit(f(n)),
+            Self::DiskHit(n) => Event::DiskHit(f(n)),
             Self::CutOff(n) => Event::CutOff(f(n)),
             Self::Failed(n) => Event::Failed(f(n)),
             Self::Blocked(n, by) => Event::Blocked(f(n), f(by)),
@@ -100,6 +106,7 @@ impl<N: std::fmt::Display> std::fmt::Display for Event<N> {
         match self {
             Self::Executed(n) => write!(f, "executed {n}"),
             Self::MemoHit(n) => write!(f, "memo {n}"),
+            Self::DiskHit(n) => write!(f, "disk {n}"),
             Self::CutOff(n) => write!(f, "cut off {n}"),
             Self::Failed(n) => write!(f, "failed {n}"),
             Self::Blocked(n, by) => write!(f, "blocked {n} by {by}"),
@@ -252,6 +259,9 @@ pub struct Report {
     pub diagnostics: Vec<Diagnostic>,
     /// The nodes that were looked at, in order of evaluation; nodes that nothing has reached are not here.
     pub nodes: NodeReports,
+    /// What went wrong with the store ([`crate::Options::store`]), as warnings. It never changes a result, so it is none of the
+    /// graph's diagnostics.
+    pub cache: Vec<Diagnostic>,
     /// It was cancelled and published nothing.
     pub cancelled: bool,
     /// Time it took.
@@ -292,7 +302,7 @@ impl Report {
         serde_json::json!({
             "cancelled": self.cancelled,
             "elapsed_ms": ms(self.elapsed),
-            "diagnostics": self.diagnostics.iter().map(|d| serde_json::to_value(d).unwrap_or_default()).collect::<Vec<_>>(),
+            "diagnostics": self.diagnostics.iter().chain(&self.cache).map(|d| serde_json::to_value(d).unwrap_or_default()).collect::<Vec<_>>(),
             "nodes": nodes,
         })
     }

@@ -26,10 +26,12 @@ const TINY_BYTES: usize = 64 << 10;
 /// What a node of unknown cost is taken to cost, nanoseconds: slow ones and others.
 const GUESS: (f64, f64) = (50e6, 1e5);
 
-struct Job {
-    node: u32,
-    key: u128,
+pub(super) struct Job {
+    pub node: u32,
+    pub key: u128,
     files: Vec<(usize, Vec<Vec<FileRead>>)>,
+    /// What is kept of it is damaged and must be written anew.
+    pub rewrite: bool,
 }
 
 impl Session {
@@ -68,6 +70,7 @@ impl Session {
         if control.cancel.load(Ordering::Relaxed) {
             self.take_back(evaluation, dirty_before);
             self.memo.shrink_older(self.options.cache_bytes);
+            self.cache_faults();
             report.cancelled = true;
             report.elapsed = start.elapsed();
             return report;
@@ -76,6 +79,7 @@ impl Session {
         report.nodes = NodeReports { ids, types, rows: evaluation.reports };
         self.evict();
         self.tell(&mut report.diagnostics);
+        report.cache = self.cache_faults();
         report.elapsed = start.elapsed();
         report
     }
@@ -211,7 +215,8 @@ impl Session {
     }
 
     /// False if a node was cancelled.
-    fn run_batch(&mut self, mut jobs: Vec<Job>, e: &mut Evaluation, cancel: &AtomicBool, meter: &Meter<'_>) -> bool {
+    fn run_batch(&mut self, jobs: Vec<Job>, e: &mut Evaluation, cancel: &AtomicBool, meter: &Meter<'_>) -> bool {
+        let mut jobs = self.recall(jobs, e);
         if jobs.is_empty() {
             return true;
         }
@@ -309,10 +314,11 @@ impl Session {
             self.note(n, if failed { Happened::Failed } else { Happened::Memo }, Duration::ZERO, e);
             return None;
         }
-        if self.fetch_missing(n) {
+        // With a store, what comes in may not be needed.
+        if self.options.store.is_none() && self.fetch_missing(n) {
             return None;
         }
-        Some(Job { node: n, key, files })
+        Some(Job { node: n, key, files, rewrite: false })
     }
 
     fn is_wanted(&self, i: usize) -> bool {
@@ -360,7 +366,7 @@ impl Session {
     }
 
     /// Queues the sources whose values were dropped from memory, and the node behind them again; false if all are there.
-    fn fetch_missing(&mut self, n: u32) -> bool {
+    pub(super) fn fetch_missing(&mut self, n: u32) -> bool {
         if self.plan.predecessors(n as usize).all(|p| self.nodes[p as usize].present) {
             return false;
         }
@@ -428,8 +434,19 @@ impl Session {
         literals.chain(wires).sum()
     }
 
-    /// Runs a node; gives when it was done, so that of nodes that run one after another each reads the clock once.
+    /// Runs a node and keeps what it gives, where that is worth it; gives when it was done.
     fn run_job(&self, job: Job, parallel: bool, cancel: &AtomicBool, meter: &Meter<'_>) -> (Outcome, Instant) {
+        let Some(store) = &self.options.store else { return self.run_node(job, parallel, cancel, meter) };
+        let (start, kept) = (Instant::now(), (job.node, job.key, job.rewrite));
+        let (outcome, end) = self.run_node(job, parallel, cancel, meter);
+        if !cancel.load(Ordering::Relaxed) {
+            self.keep_outside(store, kept, &outcome, end - start);
+        }
+        (outcome, end)
+    }
+
+    /// Runs a node; gives when it was done, so that of nodes that run one after another each reads the clock once.
+    fn run_node(&self, job: Job, parallel: bool, cancel: &AtomicBool, meter: &Meter<'_>) -> (Outcome, Instant) {
         let i = job.node as usize;
         let Some(t) = self.plan.node_type(i) else { return (Outcome::failure(Vec::new()), Instant::now()) };
         let (id, weight) = (&self.plan.ids[i], self.weight(i));

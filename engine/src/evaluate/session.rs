@@ -4,6 +4,7 @@ use super::cache::{Memo, Reports};
 use super::matching::Matching;
 use super::queue::Queue;
 use super::report::Events;
+use super::store::{Store, StoreFault};
 use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
 use crate::document::model::{Document, InterfaceInput, NodeState, split_port};
 use crate::document::operations::Operation;
@@ -11,7 +12,7 @@ use crate::plan::{Plan, Slot};
 use crate::registry::Registry;
 use crate::value::{Column, File, Json, Tree};
 use std::collections::BTreeSet;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// What the program around the engine provides.
 pub trait Host: Send + Sync {
@@ -41,11 +42,13 @@ pub struct Options {
     pub cache_bytes: usize,
     /// Where files come from.
     pub host: Arc<dyn Host>,
+    /// Where results outlive the process, if anywhere.
+    pub store: Option<Arc<dyn Store>>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { threads: 0, cache_bytes: 1 << 30, host: Arc::new(NoHost) }
+        Self { threads: 0, cache_bytes: 1 << 30, host: Arc::new(NoHost), store: None }
     }
 }
 
@@ -105,6 +108,8 @@ pub struct Session {
     pub(crate) costs: Vec<f64>,
     /// Another number for every plan.
     pub(crate) stamp: u64,
+    /// What went wrong with the store in this evaluation, with the node that it was about.
+    pub(crate) faults: Mutex<Vec<(u32, StoreFault)>>,
     /// Of a type whose nodes are cheap: some result was so large that it is remembered all the same.
     pub(crate) remembered: Vec<bool>,
     pub(crate) events: Events,
@@ -158,6 +163,7 @@ impl Session {
             options,
             memo: Memo::default(),
             stamp: 0,
+            faults: Mutex::default(),
             events: Events::new(plan.ids.clone()),
             plan,
             pool: OnceLock::new(),

@@ -44,6 +44,9 @@ trait ColumnData: Send + Sync {
     fn item_summary(&self, i: usize) -> String;
     fn pick(&self, order: &[Option<usize>]) -> Column;
     fn concat(&self, all: &[Column]) -> Option<Column>;
+    fn format(&self) -> u32;
+    fn encode(&self, out: &mut Vec<u8>) -> bool;
+    fn decode(&self, len: usize, valid: Option<Vec<bool>>, bytes: &mut &[u8]) -> Option<Column>;
 }
 
 impl<T: Item> ColumnData for Typed<T> {
@@ -95,6 +98,19 @@ impl<T: Item> ColumnData for Typed<T> {
 
     fn concat(&self, all: &[Column]) -> Option<Column> {
         concat::<T>(all)
+    }
+
+    fn format(&self) -> u32 {
+        T::FORMAT
+    }
+
+    fn encode(&self, out: &mut Vec<u8>) -> bool {
+        let valid = |i: usize| self.valid.as_ref().is_none_or(|v| v[i]);
+        self.items.iter().enumerate().all(|(i, item)| !valid(i) || item.encode(out))
+    }
+
+    fn decode(&self, len: usize, valid: Option<Vec<bool>>, bytes: &mut &[u8]) -> Option<Column> {
+        decode::<T>(len, valid, bytes)
     }
 }
 
@@ -165,6 +181,32 @@ impl<T: Item> ColumnData for Single<T> {
     fn concat(&self, all: &[Column]) -> Option<Column> {
         concat::<T>(all)
     }
+
+    fn format(&self) -> u32 {
+        T::FORMAT
+    }
+
+    fn encode(&self, out: &mut Vec<u8>) -> bool {
+        self.item.encode(out)
+    }
+
+    fn decode(&self, len: usize, valid: Option<Vec<bool>>, bytes: &mut &[u8]) -> Option<Column> {
+        decode::<T>(len, valid, bytes)
+    }
+}
+
+/// A column of `len` items off the front of `bytes`; gaps have no bytes there.
+fn decode<T: Item>(len: usize, valid: Option<Vec<bool>>, bytes: &mut &[u8]) -> Option<Column> {
+    // Every item has a byte at least, so a length that is none does not take memory.
+    if valid.as_ref().map_or(len > bytes.len(), |v| v.len() != len) {
+        return None;
+    }
+    let mut items = Vec::with_capacity(len.min(bytes.len() / size_of::<T>().max(1) + 1));
+    for i in 0..len {
+        let there = valid.as_ref().is_none_or(|v| v[i]);
+        items.push(if there { T::decode(bytes)? } else { T::default() });
+    }
+    Some(Column::build(items, valid))
 }
 
 /// A number is a column of one.
@@ -211,6 +253,18 @@ impl ColumnData for f64 {
 
     fn concat(&self, all: &[Column]) -> Option<Column> {
         concat::<f64>(all)
+    }
+
+    fn format(&self) -> u32 {
+        f64::FORMAT
+    }
+
+    fn encode(&self, out: &mut Vec<u8>) -> bool {
+        Item::encode(self, out)
+    }
+
+    fn decode(&self, len: usize, valid: Option<Vec<bool>>, bytes: &mut &[u8]) -> Option<Column> {
+        decode::<f64>(len, valid, bytes)
     }
 }
 
@@ -377,6 +431,26 @@ impl Column {
     #[must_use]
     pub fn pick(&self, order: &[Option<usize>]) -> Self {
         self.data().pick(order)
+    }
+
+    /// The gaps, if there are any.
+    pub(crate) fn valid(&self) -> Option<&[bool]> {
+        self.data().valid()
+    }
+
+    /// Version of what [`Column::encode`] writes; 0: items of this type cannot be kept.
+    pub(crate) fn format(&self) -> u32 {
+        self.data().format()
+    }
+
+    /// Appends the items, without their number and the gaps; false if one cannot be kept.
+    pub(crate) fn encode(&self, out: &mut Vec<u8>) -> bool {
+        self.format() > 0 && self.data().encode(out)
+    }
+
+    /// A column of this one's type from what [`Column::encode`] has written.
+    pub(crate) fn decode(&self, len: usize, valid: Option<Vec<bool>>, bytes: &mut &[u8]) -> Option<Self> {
+        self.data().decode(len, valid, bytes)
     }
 
     /// All columns one after another; `None` if there is none or their types differ. O(n).

@@ -1,6 +1,7 @@
 //! What can travel on wires: the `Item` trait and the engine's own item types.
 
 use super::digest::Digester;
+use super::pack::{pack, unpack};
 use std::sync::Arc;
 
 /// JSON as the file, the reports and the command line speak it.
@@ -12,6 +13,10 @@ pub type Json = serde_json::Value;
 pub trait Item: Clone + Default + Send + Sync + 'static {
     /// The type's name in the file, in reports and in messages.
     const TYPE: &'static str;
+
+    /// Version of what [`Item::encode`] writes, to be raised with every change of it. 0: items of this type are not kept
+    /// outside of memory, so that every process computes results with them anew.
+    const FORMAT: u32 = 0;
 
     /// Feeds everything that makes two items different.
     fn digest(&self, d: &mut Digester);
@@ -26,6 +31,18 @@ pub trait Item: Clone + Default + Send + Sync + 'static {
     /// Bytes on the heap that this item owns, beyond `size_of`.
     fn heap_bytes(&self) -> usize {
         0
+    }
+
+    /// Appends at least one byte, of which [`Item::decode`] makes the same item, floats bit for bit. False: this item
+    /// cannot be kept.
+    fn encode(&self, _out: &mut Vec<u8>) -> bool {
+        false
+    }
+
+    /// Takes one item off the front of `bytes`; `None` if there is none. The bytes may be anything: no panic, and no more
+    /// memory than in proportion to their number.
+    fn decode(_bytes: &mut &[u8]) -> Option<Self> {
+        None
     }
 
     /// The documented JSON of the type.
@@ -48,6 +65,7 @@ pub trait Item: Clone + Default + Send + Sync + 'static {
 
 impl Item for f64 {
     const TYPE: &'static str = "number";
+    const FORMAT: u32 = 1;
 
     fn digest(&self, d: &mut Digester) {
         d.f64(*self);
@@ -55,6 +73,15 @@ impl Item for f64 {
 
     fn digest_all(items: &[Self], d: &mut Digester) {
         d.f64s_raw(items);
+    }
+
+    fn encode(&self, out: &mut Vec<u8>) -> bool {
+        out.extend_from_slice(&self.to_le_bytes());
+        true
+    }
+
+    fn decode(bytes: &mut &[u8]) -> Option<Self> {
+        bytes.split_off(..8)?.try_into().ok().map(Self::from_le_bytes)
     }
 
     /// A JSON number; NaN and infinities, which JSON lacks, as text.
@@ -73,9 +100,19 @@ impl Item for f64 {
 
 impl Item for i64 {
     const TYPE: &'static str = "integer";
+    const FORMAT: u32 = 1;
 
     fn digest(&self, d: &mut Digester) {
         d.i64(*self);
+    }
+
+    fn encode(&self, out: &mut Vec<u8>) -> bool {
+        out.extend_from_slice(&self.to_le_bytes());
+        true
+    }
+
+    fn decode(bytes: &mut &[u8]) -> Option<Self> {
+        bytes.split_off(..8)?.try_into().ok().map(Self::from_le_bytes)
     }
 
     fn to_json(&self) -> Json {
@@ -98,9 +135,18 @@ impl Item for i64 {
 
 impl Item for bool {
     const TYPE: &'static str = "boolean";
+    const FORMAT: u32 = 1;
 
     fn digest(&self, d: &mut Digester) {
         d.bool(*self);
+    }
+
+    fn encode(&self, out: &mut Vec<u8>) -> bool {
+        pack(self, out)
+    }
+
+    fn decode(bytes: &mut &[u8]) -> Option<Self> {
+        unpack(bytes)
     }
 
     fn to_json(&self) -> Json {
@@ -142,9 +188,18 @@ impl std::fmt::Display for Text {
 
 impl Item for Text {
     const TYPE: &'static str = "text";
+    const FORMAT: u32 = 1;
 
     fn digest(&self, d: &mut Digester) {
         d.str(&self.0);
+    }
+
+    fn encode(&self, out: &mut Vec<u8>) -> bool {
+        pack(&*self.0, out)
+    }
+
+    fn decode(bytes: &mut &[u8]) -> Option<Self> {
+        unpack::<&str>(bytes).map(Self::from)
     }
 
     fn heap_bytes(&self) -> usize {
@@ -179,6 +234,7 @@ impl Default for File {
 
 impl Item for File {
     const TYPE: &'static str = "file";
+    const FORMAT: u32 = 1;
 
     fn digest(&self, d: &mut Digester) {
         d.str(&self.name);
@@ -190,6 +246,18 @@ impl Item for File {
                 d.str(why);
             }
         }
+    }
+
+    fn encode(&self, out: &mut Vec<u8>) -> bool {
+        let head = pack(&(&*self.name, self.withheld.as_deref(), self.bytes.len() as u64), out);
+        out.extend_from_slice(&self.bytes);
+        head
+    }
+
+    fn decode(bytes: &mut &[u8]) -> Option<Self> {
+        let (name, withheld, len): (&str, Option<&str>, u64) = unpack(bytes)?;
+        let content = bytes.split_off(..usize::try_from(len).ok()?)?;
+        Some(Self { name: name.into(), bytes: content.into(), withheld: withheld.map(Arc::from) })
     }
 
     fn heap_bytes(&self) -> usize {

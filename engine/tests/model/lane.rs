@@ -45,7 +45,8 @@ macro_rules! ensure {
 impl Lane {
     pub fn new(kind: Kind) -> Self {
         let (calls, disk) = (Arc::new(Calls::default()), Arc::new(Disk::default()));
-        let options = Options { threads: kind.threads, cache_bytes: kind.cache_bytes, host: disk.clone() };
+        let options =
+            Options { threads: kind.threads, cache_bytes: kind.cache_bytes, host: disk.clone(), ..Options::default() };
         let session = Session::new(registry(&calls, Vec::new()), Document::new(), options);
         let (history, last) = (History::with_limit(0), BTreeMap::new());
         Self { kind, session, calls, disk, history, last, compared: 0, skipped: 0 }
@@ -184,8 +185,12 @@ impl Lane {
     /// Goes on with a session of its own after an evaluation about which nothing can be said.
     fn resume(&mut self, targets: &[String]) -> Result<(), String> {
         let document = self.session.document().clone();
-        let options =
-            Options { threads: self.kind.threads, cache_bytes: self.kind.cache_bytes, host: self.disk.clone() };
+        let options = Options {
+            threads: self.kind.threads,
+            cache_bytes: self.kind.cache_bytes,
+            host: self.disk.clone(),
+            ..Options::default()
+        };
         self.session = Session::new(registry(&self.calls, Vec::new()), document, options);
         self.last.clear();
         self.evaluate(targets, None).map(|_| ())

@@ -5,7 +5,7 @@ use crate::plane::Plane;
 use glam::{DVec2, DVec3};
 
 /// Which bounding plane of a panel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum FacetName {
     /// The chamfer of edge `k`.
     Edge(u32),

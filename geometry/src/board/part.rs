@@ -6,9 +6,10 @@
 use crate::joint::FeatureSet;
 use crate::panel::PanelSet;
 use glam::{DAffine3, DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// Which face of the panels lies up on the machine.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Up {
     /// The front face (the designed surface).
     Front,
@@ -19,7 +20,7 @@ pub enum Up {
 
 /// Panels mapped to the machine plane, one by one: `panels` holds every panel in its own part frame, so that only
 /// columns of the same panel may be compared. `panels.neighbour` still tells who meets whom in the model.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PartSet {
     /// The panels in part frames.
     pub panels: PanelSet,
@@ -46,7 +47,7 @@ impl PartSet {
 }
 
 /// Raw material on the machine table.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Board {
     /// Extent in x and y, mm.
     pub size: DVec2,
@@ -57,7 +58,7 @@ pub struct Board {
 }
 
 /// Where one part lies: `board point = offset + Rz(turn) · part point`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Placement {
     /// Part (panel) index.
     pub part: u32,
@@ -88,7 +89,7 @@ impl Placement {
 }
 
 /// Parts placed on equal boards.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Layout {
     /// The board, the same for all.
     pub board: Board,

@@ -3,12 +3,13 @@
 use super::error::CurveError;
 use glam::{DVec3, DVec4, Vec4Swizzles};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Range;
 
 /// A polyline, or several, in homogeneous coordinates. Segments are counted along the strips, in the order in which
 /// they are drawn.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
     /// Homogeneous points (WX, WY, WZ, W), all W > 0, in drawing order. A closed curve does not repeat its first point.
     pub points: Vec<DVec4>,
@@ -21,7 +22,7 @@ pub struct Curve {
 }
 
 /// In which order, and in which direction, the transformed copies of a figure are drawn so that neighbours meet.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Traversal {
     /// Transformations in drawing order.
     pub letters: Vec<u32>,
@@ -40,7 +41,7 @@ impl Traversal {
 }
 
 /// Names of all segments of a curve in compact form: every patch has `base`ᵈⁱᵍⁱᵗˢ elements of `parts` segments.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Words {
     /// Number of transformations, k.
     pub base: u32,

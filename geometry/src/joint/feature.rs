@@ -1,10 +1,11 @@
 //! Machining features: what is to be cut into a panel, said without saying how.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// A machining feature in the coordinates of its panel set.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Machining {
     /// A round hole.
     Drill {
@@ -64,7 +65,7 @@ pub enum Machining {
 }
 
 /// One feature on one panel.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Feature {
     /// Panel index in the set.
     pub panel: u32,
@@ -79,7 +80,7 @@ pub struct Feature {
 }
 
 /// Purchased parts by name.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Hardware {
     /// Trade name with size, as on the piece list.
     pub name: String,
@@ -88,7 +89,7 @@ pub struct Hardware {
 }
 
 /// Features of a panel set, ordered by panel, with the hardware that they take and those left to be made by hand.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FeatureSet {
     /// All features that the machine makes.
     pub features: Vec<Feature>,

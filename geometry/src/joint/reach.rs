@@ -140,8 +140,8 @@ pub fn check_reach(
             Ok(()) => out.features.push(feature),
             Err(cause) => {
                 let by_hand = rule.out_of_reach == OutOfReach::ByHand;
-                let Feature { panel, edge, joint, .. } = feature;
-                let purpose = feature.purpose.clone();
+                let Feature { panel, edge, joint, ref purpose, .. } = feature;
+                let purpose = purpose.clone();
                 issues.push(ReachIssue { panel, edge, joint, purpose, by_hand, cause });
                 if by_hand {
                     out.by_hand.push(feature);

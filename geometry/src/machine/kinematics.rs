@@ -7,6 +7,7 @@
 
 use super::{Machine, Tool};
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Below this distance of the tool axis from the primary axis (radians) the primary angle is kept: turning it would
@@ -26,7 +27,7 @@ pub struct Pose {
 }
 
 /// Why an orientation cannot be taken.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, Serialize, Deserialize)]
 pub enum KinematicsError {
     /// Neither of the two solutions lies within the limits of an axis.
     #[error(

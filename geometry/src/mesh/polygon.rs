@@ -1,11 +1,12 @@
 //! The polygon mesh that every room shares: points and faces in compressed rows.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// A polygon mesh. Face `f` is the loop `face_vertices[face_start[f]..face_start[f + 1]]`, counter-clockwise seen from
 /// its front (right-hand rule).
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Mesh {
     /// Vertex positions, mm.
     pub points: Vec<DVec3>,
@@ -19,7 +20,21 @@ pub struct Mesh {
 
 /// A face's or panel's place in the structure (000 §6.2): row from the bottom, column from the left, both from 0.
 /// A mesh of several grid patches counts them; a mesh that is no grid has `row = 0` and its face index as column.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    Hash,
+    PartialOrd,
+    Ord,
+    Serialize,
+    Deserialize,
+    bytemuck::Pod,
+    bytemuck::Zeroable,
+)]
 #[repr(C)]
 pub struct Address {
     /// Grid patch, 0 on a plain grid.

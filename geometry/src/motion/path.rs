@@ -1,10 +1,11 @@
 //! Tool paths as columns: poses of the tool tip in board coordinates, grouped into operations.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// What a move does; it fixes the feed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum MoveKind {
     /// At full speed, clear of everything.
     Rapid,
@@ -19,7 +20,7 @@ pub enum MoveKind {
 }
 
 /// What an operation is for; boards are machined in this order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Purpose {
     /// Holes by which parts are screwed to the table.
     Fixing,
@@ -32,7 +33,7 @@ pub enum Purpose {
 }
 
 /// A run of moves with one tool on one part.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Operation {
     /// What for.
     pub purpose: Purpose,
@@ -48,7 +49,7 @@ pub struct Operation {
 
 /// Moves as columns; move `k` goes in a straight line, axis turning evenly, from pose `k - 1` to pose `k`. The first
 /// move of an operation is a rapid at the safe height.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ToolPaths {
     /// Operations, ordered by board, purpose, tool, part.
     pub operations: Vec<Operation>,

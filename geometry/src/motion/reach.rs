@@ -4,9 +4,11 @@ use super::body::{Envelope, flat_radius};
 use crate::board::FacetName;
 use crate::machine::{KinematicsError, Machine, Tool};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Parameters of tool paths, mm. The defaults suit plywood of 8 to 30 mm on a 19 mm sacrificial layer.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathParams {
     /// Number of the end mill for contours; `None`: the widest end mill of the machine.
     pub contour_tool: Option<u32>,
@@ -39,7 +41,7 @@ impl Default for PathParams {
 }
 
 /// Where on a part something cannot be made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Place {
     /// A chamfer or node facet: the part cannot be cut out.
     Facet(FacetName),
@@ -50,7 +52,7 @@ pub enum Place {
 }
 
 /// Something that cannot be made.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathIssue {
     /// Part index.
     pub part: u32,
@@ -73,17 +75,17 @@ impl std::fmt::Display for PathIssue {
 impl std::error::Error for PathIssue {}
 
 /// Why a path cannot be made. Lengths mm, angles in degrees as they are for people.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, Serialize, Deserialize)]
 pub enum PathError {
     /// A parameter is out of its range.
     #[error("`{name}` is {value}; it must be {must}")]
     Parameter {
         /// Field of [`PathParams`].
-        name: &'static str,
+        name: Cow<'static, str>,
         /// Its value.
         value: f64,
         /// What would do.
-        must: &'static str,
+        must: Cow<'static, str>,
     },
     /// The machine has no tool for it.
     #[error("the machine has no {wanted}; it has {available}")]
@@ -202,7 +204,7 @@ pub enum PathError {
     #[error("a {what} has no machining operation")]
     NoOperation {
         /// The kind of feature.
-        what: &'static str,
+        what: Cow<'static, str>,
     },
     /// A character without a glyph.
     #[error("the character {0:?} has no glyph for engraving")]
@@ -284,6 +286,11 @@ pub(super) fn sine(axis: DVec3) -> f64 {
 impl PathParams {
     /// Checks ranges and the machine's safe height over boards of thickness `top`.
     pub(super) fn check(&self, machine: &Machine, top: f64) -> Result<(), PathError> {
+        let refused = |name: &'static str, value, must: &'static str| PathError::Parameter {
+            name: name.into(),
+            value,
+            must: must.into(),
+        };
         let positive = [("max_step", self.max_step), ("peck", self.peck.unwrap_or(top.max(1.0)))];
         let not_negative = [
             ("overrun", self.overrun),
@@ -293,22 +300,22 @@ impl PathParams {
         ];
         for (name, value) in positive {
             if !(value > 0.0 && value.is_finite()) {
-                return Err(PathError::Parameter { name, value, must: "more than 0" });
+                return Err(refused(name, value, "more than 0"));
             }
             // No board is cut in more steps, and a slip of the decimal point must not fill the memory.
             if value < 1e-3 * top {
                 let must = "at least a thousandth of the board's thickness";
-                return Err(PathError::Parameter { name, value, must });
+                return Err(refused(name, value, must));
             }
         }
         for (name, value) in not_negative {
             if !(value >= 0.0 && value.is_finite()) {
-                return Err(PathError::Parameter { name, value, must: "0 or more" });
+                return Err(refused(name, value, "0 or more"));
             }
         }
         if self.overrun > machine.table.sacrificial {
             let must = "at most the thickness of the sacrificial layer";
-            return Err(PathError::Parameter { name: "overrun", value: self.overrun, must });
+            return Err(refused("overrun", self.overrun, must));
         }
         let least = top + self.clearance;
         if machine.safe_height.is_nan() || machine.safe_height <= least {

@@ -12,11 +12,12 @@ use crate::board::{Layout, PartSet, facets};
 use crate::joint::{Feature, Machining};
 use crate::machine::{Machine, ToolKind};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Tool paths of every part in its part frame (all on board 0), one part after the other.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PartPaths {
     /// Operations and moves; a part's operations are ordered by purpose, then tool.
     pub paths: ToolPaths,
@@ -245,7 +246,7 @@ fn make_feature(
             PathError::NoTool { wanted, available }
         }))
     };
-    let no_operation = |what| Err(PathError::NoOperation { what });
+    let no_operation = |what: &'static str| Err(PathError::NoOperation { what: what.into() });
     match &feature.machining {
         Machining::Drill { entry, axis, depth, diameter } => {
             let hole = Hole { entry: *entry, axis: *axis, depth: *depth };

@@ -8,9 +8,10 @@
 use crate::mesh::Address;
 use crate::plane::Plane;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// One edge of one panel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct EdgeRef {
     /// Panel index in the set.
     pub panel: u32,
@@ -19,7 +20,9 @@ pub struct EdgeRef {
 }
 
 /// Which side of the ordered grid an edge faces; `Other` on meshes that are no grid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, bytemuck::NoUninit, bytemuck::CheckedBitPattern)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, bytemuck::NoUninit, bytemuck::CheckedBitPattern,
+)]
 #[repr(u8)]
 pub enum Side {
     /// v1 v2.
@@ -36,7 +39,7 @@ pub enum Side {
 
 /// Panels as columns. `corner_start` has one entry more than there are panels; every per-corner (equally per-edge)
 /// column is indexed by `corner_start[panel] + k`. A panel that could not be made has no corners and stays at its index.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PanelSet {
     /// Thickness of every panel, mm.
     pub thickness: f64,

@@ -2,6 +2,7 @@
 
 use crate::mesh::Address;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Tolerances and densities of a proof.
@@ -27,7 +28,7 @@ impl Default for ProofParams {
 }
 
 /// A face of a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum PartFace {
     /// The designed surface.
     Front,
@@ -40,7 +41,7 @@ pub enum PartFace {
 }
 
 /// Which part of the machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Body {
     /// What cuts.
     Cutter,
@@ -53,7 +54,7 @@ pub enum Body {
 }
 
 /// What must not be touched.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Obstacle {
     /// The board.
     Stock,
@@ -66,7 +67,7 @@ pub enum Obstacle {
 }
 
 /// What is wrong.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Fault {
     /// The text is not a program.
     Unreadable(String),
@@ -139,7 +140,7 @@ pub enum Fault {
 }
 
 /// One failure: what, where, by how much.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reason {
     /// Line of the program, where one is to blame.
     pub line: Option<u32>,
@@ -154,7 +155,7 @@ pub struct Reason {
 }
 
 /// What was found of one program.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ProgramVerdict {
     /// Its name.
     pub name: String,
@@ -171,7 +172,7 @@ pub struct ProgramVerdict {
 }
 
 /// What was found of one part.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartVerdict {
     /// Part index.
     pub part: u32,
@@ -194,7 +195,7 @@ pub struct PartVerdict {
 }
 
 /// The proof of all programs of a layout.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ProofReport {
     /// Per program, in the order given; then boards without one.
     pub programs: Vec<ProgramVerdict>,

@@ -1,13 +1,13 @@
 //! Machine files: JSON to geometry and words, with errors that name the key and say what would work.
 
 use super::Words;
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use tenon_geometry::machine::Machine;
 
 /// A machine with its dialect: all that a machine file says.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MachineFile {
     /// Geometry: axes, limits, table, tools.
     #[serde(flatten)]

@@ -4,6 +4,7 @@ use super::error::PostError;
 use super::number::{push_units, short, to_units};
 use super::words::Words;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use tenon_geometry::DVec3;
 use tenon_geometry::machine::{KinematicsError, Machine, Pose, Tool};
@@ -25,7 +26,7 @@ pub struct PostParams<'a> {
 }
 
 /// A program as text.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PostedProgram {
     /// Board that it machines.
     pub board: u32,

@@ -2,6 +2,7 @@
 //! segment names as a list of words such as `1/1221`.
 
 use super::{Carried, xyz};
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use tenon_engine::{Digester, Json};
 use tenon_geometry::ifs::{Curve, Words};
@@ -35,7 +36,7 @@ impl Carried for Curve {
 }
 
 /// The names of a curve's segments, in drawing order; printed when asked for, never stored.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SegmentNames {
     /// How segments are named.
     pub words: Words,

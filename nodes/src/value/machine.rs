@@ -2,7 +2,7 @@
 
 use super::Carried;
 use crate::post::MachineFile;
-use tenon_engine::{Digester, Json};
+use tenon_engine::{Digester, Json, pack, unpack};
 
 impl Carried for MachineFile {
     const TYPE: &'static str = "machine";
@@ -17,5 +17,13 @@ impl Carried for MachineFile {
     }
     fn summary(&self) -> String {
         format!("{}, {} tools", self.machine.name, self.machine.tools.len())
+    }
+    /// Its JSON has no such level, which only a format with names can tell.
+    fn encode(&self, out: &mut Vec<u8>) -> bool {
+        pack(&(&self.machine, &self.words), out)
+    }
+    fn decode(bytes: &mut &[u8]) -> Option<Self> {
+        let (machine, words) = unpack(bytes)?;
+        Some(Self { machine, words })
     }
 }

@@ -20,10 +20,12 @@ pub(crate) use panel::with_address;
 pub use point::{Point, Vector};
 pub use program::{Program, Standing};
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::json;
 use std::ops::Deref;
 use std::sync::Arc;
-use tenon_engine::{Digester, Item, Json, Registry};
+use tenon_engine::{Digester, Item, Json, Registry, pack, unpack};
 use tenon_geometry::DVec3;
 use tenon_geometry::ifs::Curve;
 use tenon_geometry::polygon::Polygon;
@@ -53,9 +55,11 @@ impl<T> Deref for V<T> {
 }
 
 /// What the engine must know of a type that wires carry.
-pub trait Carried: Default + Send + Sync + 'static {
+pub trait Carried: Default + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// Name of the type in files, docs and errors.
     const TYPE: &'static str;
+    /// Version of its bytes in a cache; to be raised when its fields, or those of what it holds, become others.
+    const FORMAT: u32 = 1;
     /// Feeds everything that makes two values differ.
     fn digest(&self, d: &mut Digester);
     /// Memory held besides the value itself, bytes.
@@ -68,10 +72,19 @@ pub trait Carried: Default + Send + Sync + 'static {
     }
     /// One line for people.
     fn summary(&self) -> String;
+    /// As [`Item::encode`].
+    fn encode(&self, out: &mut Vec<u8>) -> bool {
+        pack(self, out)
+    }
+    /// As [`Item::decode`].
+    fn decode(bytes: &mut &[u8]) -> Option<Self> {
+        unpack(bytes)
+    }
 }
 
 impl<T: Carried> Item for V<T> {
     const TYPE: &'static str = T::TYPE;
+    const FORMAT: u32 = T::FORMAT;
     fn digest(&self, d: &mut Digester) {
         self.0.digest(d);
     }
@@ -86,6 +99,12 @@ impl<T: Carried> Item for V<T> {
     }
     fn summary(&self) -> String {
         self.0.summary()
+    }
+    fn encode(&self, out: &mut Vec<u8>) -> bool {
+        self.0.encode(out)
+    }
+    fn decode(bytes: &mut &[u8]) -> Option<Self> {
+        T::decode(bytes).map(Self::new)
     }
 }
 

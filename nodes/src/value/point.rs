@@ -2,7 +2,7 @@
 
 use super::{Carried, xyz};
 use serde_json::json;
-use tenon_engine::{Digester, Item, Json};
+use tenon_engine::{Digester, Item, Json, pack, unpack};
 use tenon_geometry::{DVec3, Plane};
 
 /// A point, mm. JSON `[x, y, z]`.
@@ -40,6 +40,7 @@ macro_rules! coordinates {
     ($type:ident, $name:literal, $unit:literal) => {
         impl Item for $type {
             const TYPE: &'static str = $name;
+            const FORMAT: u32 = 1;
             fn digest(&self, d: &mut Digester) {
                 digest_xyz(self.0, d);
             }
@@ -51,6 +52,12 @@ macro_rules! coordinates {
             }
             fn summary(&self) -> String {
                 format!(concat!("({}, {}, {})", $unit), self.0.x, self.0.y, self.0.z)
+            }
+            fn encode(&self, out: &mut Vec<u8>) -> bool {
+                pack(&self.0, out)
+            }
+            fn decode(bytes: &mut &[u8]) -> Option<Self> {
+                unpack(bytes).map(Self)
             }
         }
     };

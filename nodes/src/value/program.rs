@@ -3,7 +3,7 @@
 use crate::post::PostedProgram;
 use serde_json::json;
 use std::sync::Arc;
-use tenon_engine::{Digester, Item, Json};
+use tenon_engine::{Digester, Item, Json, pack, unpack};
 
 /// What is known of a program's proof.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -40,6 +40,7 @@ impl Standing {
 
 impl Item for Program {
     const TYPE: &'static str = "program";
+    const FORMAT: u32 = 1;
     fn digest(&self, d: &mut Digester) {
         d.str(&self.posted.name);
         d.str(&self.posted.extension);
@@ -64,5 +65,22 @@ impl Item for Program {
     }
     fn summary(&self) -> String {
         format!("{}, {} lines", self.posted.file_name(), self.posted.text.lines().count())
+    }
+    fn encode(&self, out: &mut Vec<u8>) -> bool {
+        let (passed, why) = match &self.standing {
+            Standing::Unproven => (false, None),
+            Standing::Passed => (true, None),
+            Standing::Failed(why) => (false, Some(&**why)),
+        };
+        pack(&(&*self.posted, passed, why), out)
+    }
+    fn decode(bytes: &mut &[u8]) -> Option<Self> {
+        let (posted, passed, why): (PostedProgram, bool, Option<&str>) = unpack(bytes)?;
+        let standing = match why {
+            Some(why) => Standing::Failed(why.into()),
+            None if passed => Standing::Passed,
+            None => Standing::Unproven,
+        };
+        Some(Self { posted: Arc::new(posted), standing })
     }
 }

@@ -97,7 +97,7 @@ fn planarize(file: &str) -> String {
 
 fn session(registry: &Arc<Registry>, text: &str) -> Result<Session, String> {
     let document = Document::from_slice(text.as_bytes()).map_err(|d| format!("{d:?}"))?;
-    let options = Options { threads: 2, cache_bytes: 1 << 30, host: Arc::new(Disk) };
+    let options = Options { threads: 2, cache_bytes: 1 << 30, host: Arc::new(Disk), ..Options::default() };
     Ok(Session::new(registry.clone(), document, options))
 }
 

@@ -4,7 +4,7 @@
 use crate::root;
 use serde_json::{Value, json};
 use std::sync::Arc;
-use tenon_engine::{Control, Diagnostic, Document, NoHost, Options, Registry, Report, Session, Severity};
+use tenon_engine::{Control, Diagnostic, Document, Options, Registry, Report, Session, Severity};
 use tenon_geometry::panel::PanelSet;
 use tenon_nodes::value::V;
 
@@ -90,7 +90,7 @@ fn split(points: [[f64; 3]; 4], patches: u32, scale: f64) -> Vec<[f64; 3]> {
 /// A fresh session of the graph `text` that keeps all its results; nothing has run.
 pub fn session(registry: &Arc<Registry>, text: &str) -> Result<Session, String> {
     let document = Document::from_slice(text.as_bytes()).map_err(|d| format!("{d:?}"))?;
-    let options = Options { threads: THREADS, cache_bytes: 1 << 40, host: Arc::new(NoHost) };
+    let options = Options { threads: THREADS, cache_bytes: 1 << 40, ..Options::default() };
     Ok(Session::new(registry.clone(), document, options))
 }
 
