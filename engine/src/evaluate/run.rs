@@ -42,8 +42,13 @@ impl Session {
         let start = Instant::now();
         self.memo.begin();
         let mut report = Report { diagnostics: self.plan.general.clone(), ..Report::default() };
+        let mut asked_before = None;
         if self.asked.as_ref().is_none_or(|asked| *asked != targets) {
             let goals = self.find_goals(targets, &mut report.diagnostics);
+            if self.goals.as_ref() != Some(&goals) {
+                let flags: Vec<(bool, bool)> = self.nodes.iter().map(|n| (n.needed, n.wanted)).collect();
+                asked_before = Some((self.goals.clone(), flags));
+            }
             self.mark_needed(goals);
             let all_known = report.diagnostics.len() == self.plan.general.len();
             self.asked = all_known.then(|| targets.iter().map(|t| (*t).to_owned()).collect());
@@ -69,6 +74,12 @@ impl Session {
         self.settle(&mut evaluation, &meter);
         if control.cancel.load(Ordering::Relaxed) {
             self.take_back(evaluation, dirty_before);
+            if let Some((goals, flags)) = asked_before {
+                (self.goals, self.asked) = (goals, None);
+                for (node, (needed, wanted)) in self.nodes.iter_mut().zip(flags) {
+                    (node.needed, node.wanted) = (needed, wanted);
+                }
+            }
             self.memo.shrink_older(self.options.cache_bytes);
             self.cache_faults();
             report.cancelled = true;

@@ -25,8 +25,12 @@ pub struct Expected {
 /// No script makes such an id.
 const WATCH: &str = "~~~~~~~~~~~~~~~~ watch";
 
+fn held_name(id: &str) -> String {
+    format!("~~~~~~~~~~~~ held {id};")
+}
+
 fn held_type(id: &str, t: &NodeType, last: &Last) -> NodeType {
-    let mut held = NodeType::new(format!("~~~~~~~~~~~~ held {id}"), 1);
+    let mut held = NodeType::new(held_name(id), 1);
     for port in t.outputs() {
         held = held.output(port.clone());
     }
@@ -80,8 +84,13 @@ pub fn expected(
         nodes.insert(node.id.to_string(), (node.happened, outputs, node.digest));
     }
     nodes.remove(WATCH);
-    let held: BTreeSet<String> = held.into_keys().collect();
-    let diagnostics = report.diagnostics.iter().filter(|d| concerns(d, &held)).map(ToString::to_string).collect();
+    // A constant goes by the name of what it stands for.
+    let words = |d: &Diagnostic| {
+        held.iter().fold(d.to_string(), |words, (id, last)| words.replace(&held_name(id), &last.type_name))
+    };
+    let ids: BTreeSet<String> = held.keys().cloned().collect();
+    let diagnostics = report.diagnostics.iter().filter(|d| concerns(d, &ids)).map(words).collect();
+    let held = ids;
     Some(Expected { nodes, diagnostics, files: fresh.files(), held })
 }
 
@@ -112,7 +121,8 @@ fn with_constants(
         for from in node.inputs.values().flat_map(|w| &w.from) {
             let goes = fresh.knows(from).is_ok() && !sources.from.contains(from);
             // A wire that does not fit is none.
-            let fits = !report.diagnostics.iter().any(|d| d.message.contains(&format!("{from} gives ")));
+            let (gives, takes) = (format!("{from} gives "), format!(", but {id}."));
+            let fits = !report.diagnostics.iter().any(|d| d.message.contains(&gives) && d.message.contains(&takes));
             if goes && fits {
                 sources.from.push(from.clone());
             }

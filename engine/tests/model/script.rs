@@ -81,9 +81,9 @@ fn source(dice: &mut Dice, document: &Document, of: &str) -> String {
 
 fn value(dice: &mut Dice) -> Json {
     match dice.below(40) {
-        0..24 => json!(dice.of(&[-4.0, -1.0, 0.0, 0.5, 1.0, 1.7, 2.0, 3.0, 3.5, 5.0])),
-        24..29 => json!(dice.below(5)),
-        29..32 => (0..dice.below(4)).map(|_| json!(dice.below(7) as f64 - 2.0)).collect(),
+        0..19 => json!(dice.of(&[-4.0, -1.0, 0.0, 0.5, 1.0, 1.7, 2.0, 3.0, 3.5, 5.0])),
+        19..23 => json!(dice.below(5)),
+        23..32 => (0..dice.below(4)).map(|_| json!(dice.below(7) as f64 - 2.0)).collect(),
         32 | 33 => json!(13.0),
         34..37 => json!(dice.of(&["in0 * 2", "in1 + 1", "in0 / 4", "in0 mm"])),
         37 => json!(dice.of(&["what", "a.txt", "b.txt"])),
@@ -101,9 +101,13 @@ fn node(dice: &mut Dice, document: &Document, id: &str) -> Node {
         node.params.insert("tag", json!(tag));
     }
     for port in *inputs {
+        // Its defaults are lists of different lengths.
+        if *type_name == "grid" && dice.chance(60) {
+            continue;
+        }
         if *port == "path" {
             node.params.insert("path", json!(dice.of(&["a.txt", "b.txt", "c.txt"])));
-        } else if dice.chance(70) && !document.nodes().is_empty() {
+        } else if dice.chance(60) && !document.nodes().is_empty() {
             node.inputs.insert(*port, wires(dice, document, id));
         } else if dice.chance(70) {
             node.params.insert(*port, value(dice));
@@ -175,7 +179,20 @@ fn operation(dice: &mut Dice, document: &Document) -> Operation {
             value: dice.chance(85).then(|| value(dice)),
             node: node_id,
         },
-        32..34 => O::SetMatching { node: node_id, matching: matching(dice) },
+        // Where it matters: at nodes with several ports.
+        32 => {
+            let several = document.nodes().iter().filter(|(_, n)| n.type_name == "grid").map(|(id, _)| id);
+            let ids: Vec<&String> = several.collect();
+            let node = if ids.is_empty() { node_id } else { (*dice.of(&ids)).clone() };
+            O::SetMatching { node, matching: matching(dice) }
+        }
+        // The same wires in another shape.
+        33 => {
+            let found = document.nodes().get(&node_id).and_then(|n| n.inputs.iter().next());
+            let (port, mut wires) = found.map_or_else(Default::default, |(p, w)| (p.clone(), w.clone()));
+            wires.tree = vec![*dice.of(&[TreeOp::Graft, TreeOp::Flatten, TreeOp::Simplify, TreeOp::Reverse])];
+            O::PutWires { node: node_id, port, wires: Some(wires) }
+        }
         34..41 => O::SetState { node: node_id, state: state(dice) },
         41 => O::SetNote { node: node_id, note: Some("remark".into()) },
         42 => O::Move { node: node_id, to: Some([1.0, 2.0]) },
@@ -209,7 +226,23 @@ fn targets(dice: &mut Dice, document: &Document) -> Vec<String> {
     }
 }
 
-/// `length` steps: bursts of edits, each followed by an evaluation.
+fn parameter(dice: &mut Dice, shadow: &mut Document) -> Step {
+    let node = known(dice, shadow);
+    let port = input_of(dice, shadow, &node);
+    let operation = Operation::SetParam { node, port, value: dice.chance(90).then(|| value(dice)) };
+    let _ = operation.apply(shadow);
+    Step::Edit(operation)
+}
+
+fn set(dice: &mut Dice, shadow: &Document) -> Step {
+    let names: Vec<String> = shadow.inputs.keys().cloned().collect();
+    let node = known(dice, shadow);
+    let port = format!("{node}.{}", input_of(dice, shadow, &node));
+    let name = if names.is_empty() || dice.chance(40) { port } else { dice.of(&names).clone() };
+    Step::Set(name, value(dice))
+}
+
+/// About `length` steps: bursts of edits, each followed by an evaluation.
 pub fn script(seed: i64, length: usize) -> Vec<Step> {
     let mut dice = Dice::new(seed);
     // What the script has made so far, so that most of its steps find what they name.
@@ -225,33 +258,37 @@ pub fn script(seed: i64, length: usize) -> Vec<Step> {
         let _ = operation.apply(shadow);
         Step::Edit(operation)
     };
-    for _ in 0..6 {
-        steps.push(edit(&mut dice, &mut shadow));
+    for i in 0..9 {
+        let id = format!("n{}", (i * 7) % IDS);
+        let operation = Operation::AddNode { node: Box::new(node(&mut dice, &shadow, &id)), id };
+        let _ = operation.apply(&mut shadow);
+        steps.push(Step::Edit(operation));
     }
     while steps.len() < length {
-        let step = match dice.below(100) {
-            0..60 => edit(&mut dice, &mut shadow),
-            60..65 => {
-                let names: Vec<String> = shadow.inputs.keys().cloned().collect();
-                let node = known(&mut dice, &shadow);
-                let port = format!("{node}.{}", input_of(&mut dice, &shadow, &node));
-                let name = if names.is_empty() || dice.chance(40) { port } else { dice.of(&names).clone() };
-                Step::Set(name, value(&mut dice))
-            }
-            65 => Step::Reload,
-            66 => Step::Begin,
-            67 => Step::Commit,
-            68..72 => Step::Undo,
-            72..74 => Step::Redo,
-            74 => Step::Paste((0..2).map(|_| known(&mut dice, &shadow)).collect()),
-            75..77 => {
-                let name = (*dice.of(&["a.txt", "b.txt"])).to_owned();
-                Step::File(name, dice.chance(85).then(|| dice.below(4)))
-            }
-            77..80 => Step::Cancel(1 + dice.below(8), targets(&mut dice, &shadow)),
-            _ => Step::Evaluate(targets(&mut dice, &shadow)),
-        };
-        steps.push(step);
+        // After half of the evaluations nothing is rewired: then only what changes may be looked at.
+        let quiet = dice.chance(50);
+        for _ in 0..1 + dice.below(4) {
+            let step = match dice.below(if quiet { 60 } else { 100 }) {
+                0..40 => parameter(&mut dice, &mut shadow),
+                40..50 => set(&mut dice, &shadow),
+                50..60 => {
+                    let name = (*dice.of(&["a.txt", "a.txt", "b.txt"])).to_owned();
+                    Step::File(name, dice.chance(85).then(|| dice.below(5)))
+                }
+                60..64 => Step::Undo,
+                64 | 65 => Step::Redo,
+                66 => Step::Reload,
+                67 => Step::Begin,
+                68 => Step::Commit,
+                69 => Step::Paste((0..2).map(|_| known(&mut dice, &shadow)).collect()),
+                _ => edit(&mut dice, &mut shadow),
+            };
+            steps.push(step);
+        }
+        if dice.chance(12) {
+            steps.push(Step::Cancel(1 + dice.below(8), targets(&mut dice, &shadow)));
+        }
+        steps.push(Step::Evaluate(targets(&mut dice, &shadow)));
     }
     steps.push(Step::Evaluate(Vec::new()));
     steps

@@ -56,10 +56,11 @@ impl Host for Disk {
 }
 
 /// Name, inputs that can be wired, outputs: what scripts choose from. All but the texts are numbers or integers.
-pub const TYPES: [(&str, &[&str], &[&str]); 19] = [
+pub const TYPES: [(&str, &[&str], &[&str]); 20] = [
     ("number", &["value"], &["value"]),
     ("add", &["a", "b"], &["sum"]),
     ("add", &["a", "b"], &["sum"]),
+    ("grid", &["a", "b"], &["sum"]),
     ("floor", &["a"], &["value"]),
     ("negate", &["a"], &["value"]),
     ("root", &["a"], &["value"]),
@@ -116,6 +117,9 @@ fn types() -> Vec<(NodeType, Run)> {
     all.push((NodeType::new("add", 1).input(number("a")).input(number("b").default(1)).output(number("sum")), |c| {
         set(c, "sum", c.number("a")? + c.number("b")?)
     }));
+    let lists =
+        NodeType::new("grid", 1).input(number("a").default(vec![1, 2, 3])).input(number("b").default(vec![10, 20]));
+    all.push((lists.output(number("sum")), |c| set(c, "sum", c.number("a")? + c.number("b")?)));
     all.push((NodeType::new("negate", 1).input(number("a").default(4)).output(number("value")).cheap(), |c| {
         set(c, "value", -c.number("a")?)
     }));
