@@ -212,6 +212,7 @@ fn node(registry: Option<&Registry>) -> Json {
     if let Some(registry) = registry {
         let names: Vec<&str> = registry.iter().map(|t| t.type_name()).collect();
         node["properties"]["type"] = json!({
+            "type": "string",
             "description": "The node type.",
             "anyOf": [{ "enum": names }, { "pattern": format!("^{PREFIX}") }],
         });
