@@ -18,10 +18,8 @@ fn header() -> String {
         line_length: 110,
         ..cbindgen::Config::default()
     };
-    let mut builder = cbindgen::Builder::new().with_config(config);
-    for file in ["error", "text", "engine", "graph", "result", "lib"] {
-        builder = builder.with_src(root.join(format!("src/{file}.rs")));
-    }
+    // cbindgen follows the modules of `lib.rs` from there.
+    let builder = cbindgen::Builder::new().with_config(config).with_src(root.join("src/lib.rs"));
     let mut out = Vec::new();
     builder.generate().unwrap().write(&mut out);
     String::from_utf8(out).unwrap()
@@ -40,4 +38,25 @@ fn the_header_is_what_the_source_says() {
         "{} is not what the source says: TENON_WRITE_HEADERS=1 cargo test writes it",
         place.display()
     );
+}
+
+#[test]
+fn every_function_is_declared_once_and_says_which_threads_may_call_it() {
+    let text = header();
+    let mut seen = std::collections::BTreeSet::new();
+    let mut comment = String::new();
+    for line in text.lines() {
+        if let Some(words) = line.strip_prefix("// ") {
+            comment = format!("{comment}{words} ");
+            continue;
+        }
+        // A declaration begins at the left and has its name before the first parenthesis.
+        let name = line.split_once('(').filter(|_| !line.starts_with(' ')).map(|(before, _)| before);
+        if let Some(name) = name.and_then(|n| n.rsplit([' ', '*']).next()).filter(|n| n.starts_with("tenon_")) {
+            assert!(seen.insert(name.to_owned()), "{name} is declared twice");
+            assert!(comment.contains(" thread"), "{name} does not say which thread may call it: {comment}");
+        }
+        comment.clear();
+    }
+    assert!(seen.len() > 30, "only {} functions were found", seen.len());
 }
