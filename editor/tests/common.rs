@@ -156,7 +156,6 @@ impl Window {
 
     /// A parameter as text; empty if it is not set.
     pub fn param(&self, node: &str, port: &str) -> String {
-        let params = self.harness.state().model.params(node).unwrap();
-        params.get(port).map(ToString::to_string).unwrap_or_default()
+        self.harness.state().model.param(node, port).map(|value| value.to_string()).unwrap_or_default()
     }
 }

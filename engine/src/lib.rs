@@ -19,8 +19,9 @@ mod value;
 pub use call::{Call, Monitor};
 pub use diagnostic::{CODES, Code, Diagnostic, Fail, Severity, nearest};
 pub use document::{
-    Cluster, DEFAULT_SIZE_LIMIT, DEPTH_LIMIT, Document, Fields, History, InterfaceInput, InterfaceOutput, Link, Node,
-    NodeState, Operation, OuterWires, Paste, Table, TreeOp, Wires,
+    Cluster, DEFAULT_SIZE_LIMIT, DEPTH_LIMIT, Document, Fields, History, InterfaceInput, InterfaceOutput, Link,
+    Literal, Name, Node, NodeMore, NodeState, Nothing, Operation, OuterWires, Paste, Seldom, Table, TreeOp, Wires,
+    WiresMore,
 };
 pub use evaluate::kept::{Kept, NotKept};
 pub use evaluate::matching::Matching;

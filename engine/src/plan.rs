@@ -9,6 +9,7 @@ mod order;
 
 use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
 use crate::document::link::join;
+use crate::document::literal::Literal;
 use crate::document::model::{Document, NodeState, TreeOp, Wires};
 use crate::evaluate::matching::Matching;
 use crate::port::Port;
@@ -166,7 +167,7 @@ impl Plan {
                 let message = format!("no node type is called \"{}\"", node.type_name);
                 self.error(n, None, Diagnostic::error("unknown-node", message).at(id).maybe_hint(hint));
             }
-            let of_port = || node.inputs.values().find_map(|w| w.matching.filter(|m| *m != Matching::Longest));
+            let of_port = || node.inputs.values().find_map(|w| w.more.matching.filter(|m| *m != Matching::Longest));
             let has_files = self.types.get(node_type as usize).is_some_and(|t| t.inputs.iter().any(|p| p.file));
             self.nodes.push(PlanNode {
                 node_type,
@@ -224,10 +225,10 @@ impl Plan {
                     continue;
                 };
                 match given {
-                    Given::Literal(json, scope) => self.place_literal(flat, (n, p), json, scope, &mut shared),
+                    Given::Literal(literal, scope) => self.place_literal(flat, (n, p), literal, scope, &mut shared),
                     Given::Wires(wires, scope) => {
                         if at.node.matching.is_none()
-                            && let Some(matching) = wires.matching.filter(|m| *m != Matching::Longest)
+                            && let Some(matching) = wires.more.matching.filter(|m| *m != Matching::Longest)
                             && self.nodes[n].matching == Matching::Longest
                         {
                             self.nodes[n].matching = matching;
@@ -245,22 +246,23 @@ impl Plan {
         &mut self,
         flat: &Flat<'a>,
         (n, p): (usize, usize),
-        json: &'a Json,
+        literal: &'a Literal,
         scope: u32,
-        shared: &mut HashMap<(*const Json, u32, usize), Tree>,
+        shared: &mut HashMap<(*const Literal, u32, usize), Tree>,
     ) {
         let t = self.types[self.nodes[n].node_type as usize].clone();
         let port = &t.inputs[p];
-        let names = port.names_in(json);
+        let json = literal.json();
+        let names = port.names_in(&json);
         if !names.is_empty() {
             // Computed when every literal that it may name is in its place.
             let scope = flat.scopes[scope as usize].path.trim_end_matches('/').into();
-            self.formulas.insert((n as u32, p as u32), Formula { names, json: json.clone(), scope });
+            self.formulas.insert((n as u32, p as u32), Formula { names, json: json.into_owned(), scope });
             return;
         }
-        let key = (std::ptr::from_ref(json), self.nodes[n].node_type, p);
+        let key = (std::ptr::from_ref(literal), self.nodes[n].node_type, p);
         let known = if flat.nodes[n].scope == expand::ROOT { None } else { shared.get(&key).cloned() };
-        let literal = known.map_or_else(|| port.literal(&in_folder(port, json, flat.folder(scope))), Ok);
+        let literal = known.map_or_else(|| port.literal(&in_folder(port, &json, flat.folder(scope))), Ok);
         match literal {
             Ok(tree) => {
                 if flat.nodes[n].scope != expand::ROOT {
@@ -312,9 +314,9 @@ impl Plan {
         let to = self.wires.len() as u32;
         if to > from {
             let next = shapes.len() as u32;
-            let shape = *shapes.entry(wires.tree.clone()).or_insert(next);
+            let shape = *shapes.entry(wires.more.tree.clone()).or_insert(next);
             if shape == next {
-                self.shapes.push(wires.tree.clone());
+                self.shapes.push(wires.more.tree.clone());
             }
             let at = self.nodes[n].slots as usize + p;
             self.slots[at] = Slot::Wires { from, to, shape };

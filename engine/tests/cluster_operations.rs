@@ -241,7 +241,7 @@ fn formulas_are_written_for_the_graph_outside() {
     let mut document = Document::from_slice(file.to_string().as_bytes()).unwrap();
     let paste = document.explode("x", &registry()).unwrap();
     paste.operation.apply(&mut document).unwrap();
-    let written = document.nodes()["b"].params.get("t").and_then(Json::as_str).map(str::to_owned);
+    let written = document.nodes()["b"].params.get("t").and_then(Literal::as_str).map(str::to_owned);
     assert_eq!(written.as_deref(), Some("min(((base * 3) * 1 mm), (20.0 mm)) * 2 + 1 mm"));
     let mut s = open(document);
     evaluate(&mut s, &["b.t"]);

@@ -114,7 +114,7 @@ fn inputs_of_instances_are_set_like_parameters() {
     evaluate(&mut s, &["x.root", "y.root"]);
     assert_eq!((items(&s, "x.root"), items(&s, "y.root")), (json!([4.0]), json!([3.0])));
     assert_eq!(log(&mut s), "executed x/add, executed x/root");
-    assert_eq!(s.document().nodes()["x"].params.get("b"), Some(&json!(14)));
+    assert_eq!(s.document().nodes()["x"].params.get("b").map(Literal::to_json), Some(json!(14)));
     s.edit(&Operation::SetParam { node: "x".into(), port: "b".into(), value: Some(json!(23)) }).unwrap();
     evaluate(&mut s, &["x.root", "y.root"]);
     assert_eq!(log(&mut s), "executed x/add, executed x/root");

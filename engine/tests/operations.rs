@@ -120,7 +120,8 @@ fn any_operation() -> impl Strategy<Value = Operation> {
         (id(), port(), address()).prop_map(|(node, port, from)| O::Disconnect { node, port, from }),
         (id(), port(), vec(address(), 0..3)).prop_map(|(node, port, from)| {
             let mut wires = Wires::default();
-            (wires.from, wires.tree) = (from, vec![TreeOp::Flatten]);
+            wires.from.extend(from.into_iter().map(Name::from));
+            wires.more.tree = vec![TreeOp::Flatten];
             O::PutWires { node, port, wires: Some(wires) }
         }),
     ];
@@ -307,12 +308,12 @@ proptest! {
             let (before, after) = (&source.nodes()[old], &made.nodes()[new]);
             prop_assert_eq!(&before.params, &after.params);
             for (port, wires) in &before.inputs {
-                let expected: Vec<String> = wires.from.iter().filter_map(|from| {
+                let expected: Vec<Name> = wires.from.iter().filter_map(|from| {
                     let (n, p) = from.split_once('.')?;
                     let outside = keep && target.nodes().contains_key(n);
-                    paste.ids.get(n).map(|n| format!("{n}.{p}")).or_else(|| outside.then(|| from.clone()))
+                    paste.ids.get(n).map(|n| format!("{n}.{p}").into()).or_else(|| outside.then(|| from.clone()))
                 }).collect();
-                prop_assert_eq!(after.inputs.get(port).map(|w| w.from.clone()).unwrap_or_default(), expected);
+                prop_assert_eq!(after.inputs.get(port).map(|w| w.from.to_vec()).unwrap_or_default(), expected);
             }
             let moved = source.position(old).map(|[x, y]| [x + 10.0, y + 20.0]);
             prop_assert_eq!(made.position(new), moved);
@@ -445,7 +446,7 @@ fn pasting_twice_counts_names_up() {
         apply(&mut d, paste.operation).expect("free names");
     }
     assert_eq!(d.nodes().keys().collect::<Vec<_>>(), ["n", "n-2", "n-3", "s", "s-2", "s-3"]);
-    assert_eq!(d.nodes()["s-3"].inputs.get("a").map(|w| w.from.clone()), Some(vec!["n-3.value".to_owned()]));
+    assert_eq!(d.nodes()["s-3"].inputs.get("a").map(|w| w.from.to_vec()), Some(vec!["n-3.value".into()]));
     assert_eq!(d.copy(&["m"]).map_err(|e| e.code), Err("unknown-name".into()));
 }
 

@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, Once, PoisonError};
 use std::time::{Duration, Instant};
 use tenon_engine::{
-    Control, Document, Json, Matching, Node, NodeState, NodeType, Operation, Options, Report, Session, TreeOp, Wires,
+    Control, Document, Json, Matching, Name, Node, NodeState, NodeType, Operation, Options, Report, Session, TreeOp,
+    Wires,
 };
 
 /// Folders of the catalogue whose nodes cost little, whatever comes in.
@@ -51,14 +52,14 @@ fn node(b: &mut Bytes<'_>, types: &[&NodeType], earlier: &[(String, &NodeType)])
                 let mut wires = Wires::default();
                 for _ in 0..1 + b.below(2) {
                     let (id, from) = b.of(earlier);
-                    let from = format!("{id}.{}", b.of(from.outputs()).name());
+                    let from = Name::from(format!("{id}.{}", b.of(from.outputs()).name()));
                     if !wires.from.contains(&from) {
                         wires.from.push(from);
                     }
                 }
                 if b.below(3) == 0 {
                     let ops = [TreeOp::Graft, TreeOp::Flatten, TreeOp::Simplify, TreeOp::Reverse];
-                    wires.tree.push(*b.of(&ops));
+                    wires.more.tree.push(*b.of(&ops));
                 }
                 node.inputs.insert(port.name(), wires);
             }

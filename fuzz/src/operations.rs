@@ -47,10 +47,10 @@ fn value(b: &mut Bytes<'_>) -> Json {
 
 fn wires(b: &mut Bytes<'_>) -> Wires {
     let mut wires = Wires::default();
-    wires.from.extend((0..b.below(4)).map(|_| name(b, &SOURCES)));
+    wires.from.extend((0..b.below(4)).map(|_| name(b, &SOURCES).into()));
     let ops = [TreeOp::Graft, TreeOp::Flatten, TreeOp::Simplify, TreeOp::Reverse];
-    wires.tree.extend((0..b.below(3)).map(|_| *b.of(&ops)));
-    wires.matching = matching(b);
+    wires.more.tree.extend((0..b.below(3)).map(|_| *b.of(&ops)));
+    wires.more.matching = matching(b);
     wires
 }
 
@@ -69,7 +69,7 @@ fn node(b: &mut Bytes<'_>, document: &Document) -> Box<Node> {
         2 => {
             node.inputs.insert(name(b, &PORTS), wires(b));
         }
-        3 => node.note = Some("note \" \n".into()),
+        3 => node.more.note = Some("note \" \n".into()),
         _ => {}
     }
     Box::new(node)

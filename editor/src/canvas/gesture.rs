@@ -246,7 +246,7 @@ impl Canvas {
     fn drag(&mut self, delta: Vec2, area: Rect, at: Pos2, model: &mut Model) {
         let set = |node: &str, port: &str, value: f64, model: &mut Model| {
             let value = number((value * 1e6).round() / 1e6);
-            if model.params(node).and_then(|p| p.get(port)) != Some(&value) {
+            if model.param(node, port).as_ref() != Some(&value) {
                 model.edit(Operation::SetParam { node: node.into(), port: port.into(), value: Some(value) });
             }
         };

@@ -5,6 +5,7 @@ use crate::model::Model;
 use crate::model::param;
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{Area, Frame, Id, Key, Order, Rect, ScrollArea, TextEdit, Ui, vec2};
+use tenon_engine::Literal;
 use tenon_engine::Operation;
 
 /// A field that is open on the canvas.
@@ -21,7 +22,7 @@ impl Typing {
     /// A field for the value of an input.
     pub fn new(node: String, port: String, model: &Model) -> Self {
         let there = model.document().nodes().get(&node);
-        let value = there.and_then(|n| n.params.get(&port)).cloned().or_else(|| {
+        let value = there.and_then(|n| n.params.get(&port)).map(Literal::to_json).or_else(|| {
             let info = model.catalog.get(&there?.type_name)?;
             info.inputs.iter().find(|p| p.name == port)?.default.clone()
         });
@@ -127,8 +128,8 @@ impl Typing {
         let info = node.and_then(|n| model.catalog.get(&n.type_name)).cloned();
         let Some(input) = info.as_ref().and_then(|t| t.inputs.iter().find(|p| p.name == *port)) else { return };
         let value = param::from_text(input, &self.text);
-        let old = model.params(&self.node).and_then(|p| p.get(port));
-        if value.as_ref() != old && !(old.is_none() && value == input.default) {
+        let old = model.param(&self.node, port);
+        if value != old && !(old.is_none() && value == input.default) {
             model.edit(Operation::SetParam { node: self.node.clone(), port: port.clone(), value });
         }
     }

@@ -6,7 +6,7 @@ use crate::model::param::{self, Widget};
 use eframe::egui::{Pos2, Rect, Vec2, pos2, vec2};
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
-use tenon_engine::{InterfaceInput, Node, NodeState};
+use tenon_engine::{InterfaceInput, Literal, Node, NodeState};
 
 /// Width of every node.
 pub const WIDTH: f32 = 190.0;
@@ -143,7 +143,7 @@ impl Shapes {
                 let Some(port) = self.nodes[to].inputs.iter().position(|p| p.name == *name) else { continue };
                 for from in &wires.from {
                     let source = self.source(from);
-                    self.wires.push(Wire { from: from.clone(), source, to, port });
+                    self.wires.push(Wire { from: from.to_string(), source, to, port });
                 }
             }
         }
@@ -193,7 +193,10 @@ fn shape<'a>(
             folded += 1;
             continue;
         }
-        let widget = (!wired).then(|| param::widget(port, node.params.get(&port.name), bound(&port.name)));
+        let widget = (!wired).then(|| {
+            let set = node.params.get(&port.name).map(Literal::json);
+            param::widget(port, set.as_deref(), bound(&port.name))
+        });
         rows.push(Row::Input(p, widget));
     }
     if folded > 0 {

@@ -11,7 +11,7 @@ pub fn node(ui: &mut Ui, model: &Model, shape: &Shape) {
     ui.set_max_width(340.0);
     ui.strong(format!("{} ({})", shape.info.title, shape.info.type_name));
     ui.label(&shape.info.doc);
-    if let Some(note) = model.document().nodes().get(&shape.id).and_then(|n| n.note.as_ref()) {
+    if let Some(note) = model.document().nodes().get(&shape.id).and_then(|n| n.more.note.as_ref()) {
         ui.label(RichText::new(note).italics());
     }
     if let Some(r) = model.results.nodes.get(&shape.id) {
@@ -54,7 +54,7 @@ pub fn port(ui: &mut Ui, model: &Model, shape: &Shape, port: usize, output: bool
     let node = model.document().nodes().get(&shape.id);
     let wires = node.and_then(|n| n.inputs.get(&info.name)).map_or(&[][..], |w| &w.from);
     for from in wires.iter().take(6) {
-        let there = model.results.values.get(from).map_or_else(|| "no value yet".to_owned(), value);
+        let there = model.results.values.get(from.as_str()).map_or_else(|| "no value yet".to_owned(), value);
         ui.weak(format!("from {from}: {there}"));
     }
     if wires.len() > 6 {

@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
-use tenon_engine::{Access, Document, Json, Node, NodeType, Registry};
+use tenon_engine::{Access, Document, Json, Name, Node, NodeType, Registry};
 
 /// One input or output.
 #[derive(Clone, Debug)]
@@ -136,13 +136,13 @@ impl Catalog {
         if let Some(known) = self.get(&node.type_name) {
             return known.clone();
         }
-        let mut names: Vec<&String> = node.inputs.keys().chain(node.params.keys()).collect();
+        let mut names: Vec<&Name> = node.inputs.keys().chain(node.params.keys()).collect();
         names.sort();
         names.dedup();
         Arc::new(TypeInfo {
-            type_name: node.type_name.clone(),
+            type_name: node.type_name.to_string(),
             version: node.version,
-            title: node.type_name.clone(),
+            title: node.type_name.to_string(),
             category: String::new(),
             doc: format!("The node type \"{}\" is not known here. The node is kept as it is.", node.type_name),
             keywords: Vec::new(),

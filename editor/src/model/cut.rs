@@ -3,7 +3,7 @@
 
 use super::Model;
 use std::sync::Arc;
-use tenon_engine::{Document, Tree};
+use tenon_engine::{Document, Name, Tree};
 use tenon_geometry::board::{Layout, PartSet};
 use tenon_geometry::machine::{Machine, Tool};
 use tenon_geometry::panel::PanelSet;
@@ -31,7 +31,7 @@ pub struct Boards {
 /// `node.port` of all wires to a node.
 fn sources<'a>(document: &'a Document, node: &str) -> impl Iterator<Item = &'a str> {
     let inputs = document.nodes().get(node).map(|n| &n.inputs);
-    inputs.into_iter().flat_map(|i| i.values()).flat_map(|w| w.from.iter().map(String::as_str))
+    inputs.into_iter().flat_map(|i| i.values()).flat_map(|w| w.from.iter().map(Name::as_str))
 }
 
 /// All outputs of a type that have a value: selected nodes first, then by id.

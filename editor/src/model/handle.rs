@@ -2,7 +2,7 @@
 
 use super::catalog::Catalog;
 use super::param::number;
-use tenon_engine::{Document, Json, Operation};
+use tenon_engine::{Document, Json, Literal, Operation};
 use tenon_geometry::DVec3;
 
 /// Where a point stands in the document.
@@ -67,7 +67,7 @@ impl Handle {
                 Some(Operation::All(changed.map(|(((axis, new), _), _)| set(axis, number(new))).collect()))
             }
             Place::Literal { port, index } => {
-                let mut value = node.params.get(port)?.clone();
+                let mut value = node.params.get(port)?.to_json();
                 let point = match index {
                     Some(i) => value.get_mut(*i)?,
                     None => &mut value,
@@ -96,7 +96,7 @@ pub fn handles(document: &Document, catalog: &Catalog) -> Vec<Handle> {
         let Some(info) = catalog.get(&node.type_name) else { continue };
         if node.type_name == "point" {
             let coordinate = |axis: &str| {
-                let set = node.params.get(axis).map_or(Some(0.0), Json::as_f64);
+                let set = node.params.get(axis).map_or(Some(0.0), Literal::as_f64);
                 let free = node.inputs.get(axis).is_none_or(|w| w.from.is_empty()) && set.is_some();
                 (set.unwrap_or(0.0), free)
             };
@@ -109,12 +109,12 @@ pub fn handles(document: &Document, catalog: &Catalog) -> Vec<Handle> {
         }
         for port in info.inputs.iter().filter(|p| p.type_name == "point") {
             let wired = node.inputs.get(&port.name).is_some_and(|w| !w.from.is_empty());
-            let Some(value) = node.params.get(&port.name).filter(|_| !wired) else { continue };
+            let Some(value) = node.params.get(&port.name).filter(|_| !wired).map(Literal::json) else { continue };
             let mut add = |index, at| {
                 let place = Place::Literal { port: port.name.clone(), index };
                 found.push(Handle { node: id.clone(), place, at, free: [true; 3] });
             };
-            if let Some(at) = xyz(value) {
+            if let Some(at) = xyz(&value) {
                 add(None, at);
             } else {
                 let list = value.as_array().into_iter().flatten().enumerate();
@@ -148,8 +148,8 @@ mod tests {
         assert_eq!(labels, ["c.points 1", "c.points 2", "p"]);
         all[0].move_to(DVec3::new(1.234, 5.0, -7.0), &d).unwrap().apply(&mut d).unwrap();
         all[2].move_to(DVec3::new(6.0, 0.5, 0.0), &d).unwrap().apply(&mut d).unwrap();
-        assert_eq!(d.nodes()["c"].params.get("points"), Some(&json!([[1.23, 5, -7], [1, 2, 3]])));
-        let p = &d.nodes()["p"].params;
-        assert_eq!((p.get("x"), p.get("y"), p.get("z")), (Some(&json!(6)), Some(&json!(0.5)), None));
+        let set = |id: &str, port: &str| d.nodes()[id].params.get(port).map(Literal::to_json);
+        assert_eq!(set("c", "points"), Some(json!([[1.23, 5, -7], [1, 2, 3]])));
+        assert_eq!(["x", "y", "z"].map(|axis| set("p", axis)), [Some(json!(6)), Some(json!(0.5)), None]);
     }
 }

@@ -16,7 +16,9 @@ use results::Results;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tenon_engine::{Diagnostic, Document, Fields, History, NoHost, Node, NodeState, Operation, OuterWires, Registry};
+use tenon_engine::{
+    Diagnostic, Document, History, Literal, Name, NoHost, Node, NodeState, Operation, OuterWires, Registry,
+};
 use worker::{Update, Worker};
 
 /// One graph being worked on.
@@ -320,7 +322,7 @@ impl Model {
     fn show(&mut self) {
         let mut followed = BTreeSet::new();
         for node in self.document.nodes().values() {
-            followed.extend(node.inputs.values().flat_map(|w| w.from.iter().map(String::as_str)));
+            followed.extend(node.inputs.values().flat_map(|w| w.from.iter().map(Name::as_str)));
         }
         let mut shown = Vec::new();
         for (id, node) in self.document.nodes() {
@@ -380,7 +382,7 @@ impl Model {
             return connect;
         }
         let gone =
-            there.iter().map(|f| Operation::Disconnect { node: node.into(), port: port.into(), from: f.clone() });
+            there.iter().map(|f| Operation::Disconnect { node: node.into(), port: port.into(), from: f.to_string() });
         Operation::All(gone.chain([connect]).collect())
     }
 
@@ -464,10 +466,10 @@ impl Model {
         Ok(())
     }
 
-    /// Parameters of a node; none for a node that is not there.
+    /// What a node's parameter is set to.
     #[must_use]
-    pub fn params(&self, id: &str) -> Option<&Fields<tenon_engine::Json>> {
-        self.document.nodes().get(id).map(|n| &n.params)
+    pub fn param(&self, id: &str, port: &str) -> Option<tenon_engine::Json> {
+        self.document.nodes().get(id)?.params.get(port).map(Literal::to_json)
     }
 }
 

@@ -290,12 +290,12 @@ impl Evaluator {
             return names(known);
         }
         let Some(cluster) = node.cluster() else { return Vec::new() };
-        if let Some(known) = self.outputs.get(&node.type_name) {
+        if let Some(known) = self.outputs.get(node.type_name.as_str()) {
             return known.clone();
         }
         let found = session.document().cluster_type(cluster, &self.registry);
         let found = found.map_or_else(|_| Vec::new(), |t| names(&t));
-        self.outputs.insert(node.type_name.clone(), found.clone());
+        self.outputs.insert(node.type_name.to_string(), found.clone());
         found
     }
 

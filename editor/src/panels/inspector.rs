@@ -27,7 +27,7 @@ pub fn inspector(ui: &mut Ui, model: &mut Model) {
             ui.weak(format!("{}, {}", info.title, info.category));
         });
         ui.label(&info.doc);
-        note(ui, model, &id, node.note.as_deref());
+        note(ui, model, &id, node.more.note.as_deref());
         problems(ui, model, &id);
         if !info.inputs.is_empty() {
             Grid::new(("inputs", &id)).num_columns(2).striped(true).show(ui, |ui| {
@@ -82,7 +82,7 @@ fn input(ui: &mut Ui, model: &mut Model, id: &str, port: &PortInfo) {
     }
     let address = format!("{id}.{}", port.name);
     let bound = model.document().inputs.values().find(|i| i.ports.contains(&address));
-    let set = model.params(id).and_then(|p| p.get(&port.name)).cloned();
+    let set = model.param(id, &port.name);
     let value = edit(ui, &address, port, &widget(port, set.as_ref(), bound), set.as_ref(), model);
     if let Some(value) = value
         && value != set

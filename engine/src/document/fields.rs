@@ -1,12 +1,16 @@
 //! A small sorted map: a node has a handful of parameters and wires, and a tree map would take a kilobyte for each.
 
+/// A name in a document: an id, a port, a `node.port`, a node type. Up to 15 bytes lie in place, longer ones are shared by
+/// all clones.
+pub type Name = ecow::EcoString;
+
 /// Values by name, sorted; for few names. Lookup O(log n), insertion O(n).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fields<V>(Vec<(String, V)>);
+pub struct Fields<V>(Box<[(Name, V)]>);
 
 impl<V> Default for Fields<V> {
     fn default() -> Self {
-        Self(Vec::new())
+        Self(Box::default())
     }
 }
 
@@ -39,30 +43,39 @@ impl<V> Fields<V> {
     }
 
     /// Sets a value; gives the one before.
-    pub fn insert(&mut self, name: impl Into<String>, value: V) -> Option<V> {
-        let name = name.into();
+    pub fn insert(&mut self, name: impl Into<Name>, value: impl Into<V>) -> Option<V> {
+        let (name, value) = (name.into(), value.into());
         match self.find(&name) {
             Ok(i) => Some(std::mem::replace(&mut self.0[i].1, value)),
             Err(i) => {
-                self.0.reserve_exact(1);
-                self.0.insert(i, (name, value));
+                self.change(|all| {
+                    all.reserve_exact(1);
+                    all.insert(i, (name, value));
+                });
                 None
             }
         }
     }
 
+    fn change<R>(&mut self, change: impl FnOnce(&mut Vec<(Name, V)>) -> R) -> R {
+        let mut all = std::mem::take(&mut self.0).into_vec();
+        let result = change(&mut all);
+        self.0 = all.into_boxed_slice();
+        result
+    }
+
     /// Takes a value away.
     pub fn remove(&mut self, name: &str) -> Option<V> {
-        self.find(name).ok().map(|i| self.0.remove(i).1)
+        self.find(name).ok().map(|i| self.change(|all| all.remove(i).1))
     }
 
     /// Names and values in order of names.
-    pub fn iter(&self) -> impl Iterator<Item = (&String, &V)> {
+    pub fn iter(&self) -> impl Iterator<Item = (&Name, &V)> {
         self.0.iter().map(|(n, v)| (n, v))
     }
 
     /// Names in order.
-    pub fn keys(&self) -> impl Iterator<Item = &String> {
+    pub fn keys(&self) -> impl Iterator<Item = &Name> {
         self.0.iter().map(|(n, _)| n)
     }
 
@@ -84,8 +97,8 @@ impl<V> Fields<V> {
     }
 }
 
-impl<V> FromIterator<(String, V)> for Fields<V> {
-    fn from_iter<I: IntoIterator<Item = (String, V)>>(iter: I) -> Self {
+impl<V> FromIterator<(Name, V)> for Fields<V> {
+    fn from_iter<I: IntoIterator<Item = (Name, V)>>(iter: I) -> Self {
         let mut fields = Self::new();
         for (name, value) in iter {
             fields.insert(name, value);
@@ -95,8 +108,8 @@ impl<V> FromIterator<(String, V)> for Fields<V> {
 }
 
 impl<'a, V> IntoIterator for &'a Fields<V> {
-    type Item = (&'a String, &'a V);
-    type IntoIter = std::iter::Map<std::slice::Iter<'a, (String, V)>, fn(&'a (String, V)) -> (&'a String, &'a V)>;
+    type Item = (&'a Name, &'a V);
+    type IntoIter = std::iter::Map<std::slice::Iter<'a, (Name, V)>, fn(&'a (Name, V)) -> (&'a Name, &'a V)>;
 
     fn into_iter(self) -> Self::IntoIter {
         self.0.iter().map(|(n, v)| (n, v))
@@ -115,8 +128,8 @@ mod tests {
             let (mut a, mut b) = (Fields::new(), BTreeMap::new());
             for (name, value) in steps {
                 match value {
-                    Some(v) => prop_assert_eq!(a.insert(name.clone(), v), b.insert(name, v)),
-                    None => prop_assert_eq!(a.remove(&name), b.remove(&name)),
+                    Some(v) => prop_assert_eq!(a.insert(&*name, v), b.insert(Name::from(name), v)),
+                    None => prop_assert_eq!(a.remove(&name), b.remove(name.as_str())),
                 }
             }
             prop_assert!(a.iter().eq(b.iter()) && a.len() == b.len());

@@ -70,7 +70,7 @@ impl Document {
             }
             top.insert("interface".into(), block_text(&interface, depth + 1));
         }
-        let nodes = self.nodes.iter().map(|(id, node)| match &node.raw.0 {
+        let nodes = self.nodes.iter().map(|(id, node)| match &node.more.raw.0 {
             Some(raw) if !known(node) => (id.clone(), raw.to_string()),
             _ => (id.clone(), node_text(node, depth)),
         });
@@ -102,8 +102,8 @@ fn quoted(text: &str) -> String {
     Json::from(text).to_string()
 }
 
-fn texts(list: &[String]) -> Json {
-    Json::from(list.to_vec())
+fn texts<T: AsRef<str>>(list: &[T]) -> Json {
+    list.iter().map(|text| Json::from(text.as_ref())).collect()
 }
 
 pub(crate) fn input_text(input: &InterfaceInput, depth: usize) -> String {
@@ -132,15 +132,16 @@ pub(crate) fn output_text(output: &InterfaceOutput, depth: usize) -> String {
 
 /// A node of the document whose braces stand at `depth`: 0, or 2 for a cluster.
 pub(crate) fn node_text(node: &Node, depth: usize) -> String {
-    let mut block: Block = node.extra.iter().map(|(k, v)| (k.clone(), value_text(v, depth + 3))).collect();
+    let mut block: Block = node.more.extra.iter().map(|(k, v)| (k.clone(), value_text(v, depth + 3))).collect();
     block.insert("type".into(), quoted(&node.type_name));
     block.insert("v".into(), node.version.to_string());
     if !node.params.is_empty() {
-        let params: Block = node.params.iter().map(|(k, v)| (k.clone(), value_text(v, depth + 4))).collect();
+        let params: Block =
+            node.params.iter().map(|(k, v)| (k.to_string(), value_text(&v.json(), depth + 4))).collect();
         block.insert("params".into(), block_text(&params, depth + 3));
     }
     if !node.inputs.is_empty() {
-        let inputs: Block = node.inputs.iter().map(|(k, v)| (k.clone(), wires_text(v, depth + 4))).collect();
+        let inputs: Block = node.inputs.iter().map(|(k, v)| (k.to_string(), wires_text(v, depth + 4))).collect();
         block.insert("inputs".into(), block_text(&inputs, depth + 3));
     }
     if let Some(matching) = node.matching {
@@ -149,19 +150,19 @@ pub(crate) fn node_text(node: &Node, depth: usize) -> String {
     if node.state != NodeState::On {
         block.insert("state".into(), quoted(node.state.as_str()));
     }
-    if let Some(note) = &node.note {
+    if let Some(note) = &node.more.note {
         block.insert("note".into(), quoted(note));
     }
     block_text(&block, depth + 2)
 }
 
 fn wires_text(wires: &Wires, depth: usize) -> String {
-    let mut map = wires.extra.clone();
+    let mut map = wires.more.extra.clone();
     map.insert("from".into(), texts(&wires.from));
-    if !wires.tree.is_empty() {
-        map.insert("tree".into(), wires.tree.iter().map(|op| Json::from(op.as_str())).collect());
+    if !wires.more.tree.is_empty() {
+        map.insert("tree".into(), wires.more.tree.iter().map(|op| Json::from(op.as_str())).collect());
     }
-    if let Some(matching) = wires.matching {
+    if let Some(matching) = wires.more.matching {
         map.insert("match".into(), Json::from(matching.as_str()));
     }
     map_text(&map, depth)

@@ -6,6 +6,7 @@ use super::fields::Fields;
 use super::model::{
     Document, InterfaceInput, InterfaceOutput, Node, NodeState, Raw, TreeOp, Wires, split_port, valid_id,
 };
+use super::model::{NodeMore, WiresMore};
 use crate::diagnostic::{Diagnostic, did_you_mean};
 use crate::evaluate::matching::Matching;
 use crate::value::Json;
@@ -434,7 +435,7 @@ impl<'a> Loader<'a> {
         let params = match map.remove("params") {
             Some(raw) => {
                 let map = self.object(raw.get(), &format!("\"params\" of {what}"));
-                map.into_iter().map(|(k, v)| (k, self.json(v))).collect()
+                map.into_iter().map(|(k, v)| (k.into(), self.json(v).into())).collect()
             }
             None => Fields::new(),
         };
@@ -453,7 +454,15 @@ impl<'a> Loader<'a> {
         let note = self.text(&mut map, "note", &what);
         let extra = self.rest(map);
         let raw = Raw(Some(Arc::from(raw.get())));
-        Node { type_name, version, params, inputs, matching, state, note, extra, raw }
+        Node {
+            type_name: type_name.into(),
+            version,
+            params,
+            inputs,
+            matching,
+            state,
+            more: NodeMore { note, extra, raw }.into(),
+        }
     }
 
     fn wires(&mut self, raw: &'a RawValue, what: &str) -> Wires {
@@ -479,6 +488,7 @@ impl<'a> Loader<'a> {
         };
         let matching = self.matching(&mut map, what);
         let extra = self.rest(map);
-        Wires { from, tree, matching, extra }
+        let from = from.into_iter().map(Into::into).collect();
+        Wires { from, more: WiresMore { tree, matching, extra }.into() }
     }
 }

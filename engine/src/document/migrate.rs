@@ -101,6 +101,6 @@ fn forward(node: &Node, registry: &Registry) -> Result<Node, String> {
     }
     let mut new = read_node(&json.to_string()).ok_or("the step gives no node")?;
     // Text made here is nobody's spacing.
-    new.raw = super::model::Raw(None);
+    new.forget_source();
     Ok(new)
 }

@@ -1,11 +1,15 @@
 //! The document in memory. Everything that the file says is kept, also what this version does not understand.
 
 use super::cluster::{Cluster, Linked};
-use super::fields::Fields;
+use super::fields::{Fields, Name};
 use super::layout::Layout;
+use super::literal::Literal;
+use super::seldom::{Nothing, Seldom};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::matching::Matching;
+use crate::registry::Registry;
 use crate::value::Json;
+use smallvec::SmallVec;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -131,7 +135,14 @@ impl TreeOp {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wires {
     /// `node.port` of each source, in order.
-    pub from: Vec<String>,
+    pub from: SmallVec<[Name; 1]>,
+    /// What few inputs say beside that.
+    pub more: Seldom<WiresMore>,
+}
+
+/// What is done to that which comes to one input by wire.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WiresMore {
     /// Applied in order to what arrives.
     pub tree: Vec<TreeOp>,
     /// How lists of different lengths meet; the node's own rule goes first.
@@ -139,26 +150,55 @@ pub struct Wires {
     pub(crate) extra: BTreeMap<String, Json>,
 }
 
+impl Nothing for WiresMore {
+    fn nothing() -> &'static Self {
+        static NOTHING: WiresMore = WiresMore { tree: Vec::new(), matching: None, extra: BTreeMap::new() };
+        &NOTHING
+    }
+
+    fn is_nothing(&self) -> bool {
+        *self == *Self::nothing()
+    }
+}
+
 /// One node.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Node {
     /// Name of its node type.
-    pub type_name: String,
+    pub type_name: Name,
     /// Version of the node type that the file was written for.
     pub version: u32,
     /// Literals by port.
-    pub params: Fields<Json>,
+    pub params: Fields<Literal>,
     /// Wires by port.
     pub inputs: Fields<Wires>,
     /// How lists of different lengths meet.
     pub matching: Option<Matching>,
     /// Whether it runs, and what it gives if not.
     pub state: NodeState,
+    /// What the file says of few nodes.
+    pub more: Seldom<NodeMore>,
+}
+
+/// What the file says of few nodes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NodeMore {
     /// A remark for people.
     pub note: Option<String>,
     pub(crate) extra: BTreeMap<String, Json>,
     /// The text it was loaded from, for node types that nobody knows; gone once the node was changed.
     pub(crate) raw: Raw,
+}
+
+impl Nothing for NodeMore {
+    fn nothing() -> &'static Self {
+        static NOTHING: NodeMore = NodeMore { note: None, extra: BTreeMap::new(), raw: Raw(None) };
+        &NOTHING
+    }
+
+    fn is_nothing(&self) -> bool {
+        self.note.is_none() && self.extra.is_empty() && self.raw.0.is_none()
+    }
 }
 
 /// Source text that does not count when nodes are compared.
@@ -174,28 +214,44 @@ impl PartialEq for Raw {
 impl Node {
     /// A node of version 1 without parameters and wires.
     #[must_use]
-    pub fn new(type_name: impl Into<String>) -> Self {
+    pub fn new(type_name: impl Into<Name>) -> Self {
         Self { type_name: type_name.into(), version: 1, ..Self::default() }
     }
 
     /// Sets a parameter.
     #[must_use]
-    pub fn param(mut self, port: impl Into<String>, value: impl Into<Json>) -> Self {
-        self.params.insert(port.into(), value.into());
+    pub fn param(mut self, port: impl Into<Name>, value: impl Into<Json>) -> Self {
+        self.params.insert(port, Literal::from(value.into()));
         self
     }
 
     /// Adds a wire from `source` (`node.port`).
     #[must_use]
-    pub fn wire(mut self, port: impl Into<String>, source: impl Into<String>) -> Self {
+    pub fn wire(mut self, port: impl Into<Name>, source: impl Into<Name>) -> Self {
         let port = port.into();
         match self.inputs.get_mut(&port) {
             Some(wires) => wires.from.push(source.into()),
             None => {
-                self.inputs.insert(port, Wires { from: vec![source.into()], ..Wires::default() });
+                self.inputs.insert(port, Wires::from_sources([source.into()]));
             }
         }
         self
+    }
+
+    /// Forgets the text that it was loaded from: it is about to change.
+    pub(crate) fn forget_source(&mut self) {
+        if self.more.raw.0.is_some() {
+            self.more.raw = Raw(None);
+            self.more.shrink();
+        }
+    }
+}
+
+impl Wires {
+    /// Wires from these sources (`node.port`), as they are.
+    #[must_use]
+    pub fn from_sources(sources: impl IntoIterator<Item = Name>) -> Self {
+        Self { from: sources.into_iter().collect(), more: Seldom::default() }
     }
 }
 
@@ -215,7 +271,7 @@ impl Document {
     /// A node to change.
     pub fn node_mut(&mut self, id: &str) -> Option<&mut Node> {
         let node = self.nodes.get_mut(id)?;
-        node.raw = Raw(None);
+        node.forget_source();
         Some(node)
     }
 
@@ -238,6 +294,18 @@ impl Document {
     pub fn remove(&mut self, id: &str) -> Option<Node> {
         self.layout.positions.remove(id);
         self.nodes.remove(id)
+    }
+
+    /// Takes as little memory as it can: full tree nodes, and no source text of nodes whose type `registry` knows, which are
+    /// written anew anyway. O(nodes).
+    pub(crate) fn pack(&mut self, registry: &Registry) {
+        let nodes = std::mem::take(&mut self.nodes).into_iter().map(|(id, mut node)| {
+            if registry.get(&node.type_name).is_some() {
+                node.forget_source();
+            }
+            (id, node)
+        });
+        self.nodes = nodes.collect();
     }
 
     /// Foreign data (`x`) as it stands in the file.

@@ -143,6 +143,7 @@ impl Session {
     pub fn new(registry: Arc<Registry>, mut document: Document, options: Options) -> Self {
         document.read_links(&*options.host);
         let told = document.migrate(&registry);
+        document.pack(&registry);
         let mut plan = Plan::compile(&document, &registry);
         plan.add(told);
         let mut session = Self {
@@ -286,7 +287,7 @@ impl Session {
             if value.is_null() {
                 node.params.remove(&port);
             } else if let Some(old) = node.params.get_mut(&port) {
-                *old = value.clone();
+                *old = value.clone().into();
             } else {
                 node.params.insert(port, value.clone());
             }

@@ -198,7 +198,7 @@ impl<'a> Definitions<'a> {
     fn check_instance(&self, at: usize, id: &str, node: &Node, definition: usize) -> Result<(), Diagnostic> {
         let (of, within) = (&self.all[definition], self.all[at].body);
         for port in node.params.keys().chain(node.inputs.keys()) {
-            if !of.body.inputs.contains_key(port) {
+            if !of.body.inputs.contains_key(port.as_str()) {
                 let hint = did_you_mean(port, of.body.inputs.keys().map(String::as_str));
                 let message = format!("cluster \"{}\" has no input \"{port}\"", of.interface.name);
                 return Err(Diagnostic::error("unknown-port", message).port(port).maybe_hint(hint));

@@ -4,8 +4,8 @@
 use super::Plan;
 use super::define::{DEEPEST, Definitions, Interface, MOST_NODES, MOST_TEXT, Size};
 use crate::diagnostic::{Diagnostic, did_you_mean};
+use crate::document::literal::Literal;
 use crate::document::model::{Document, Node, NodeState, Wires, split_port};
-use crate::value::Json;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -41,7 +41,7 @@ pub(super) struct Scope<'a> {
 #[derive(Clone, Copy)]
 pub(super) enum Given<'a> {
     Wires(&'a Wires, u32),
-    Literal(&'a Json, u32),
+    Literal(&'a Literal, u32),
 }
 
 /// A document with all of its clusters expanded.

@@ -250,8 +250,8 @@ impl Lane {
         let ran = |e: Event<&str>, id: &str| matches!(e, Event::Executed(n) | Event::Failed(n) if n == id);
         let mut groups: BTreeMap<Who, Vec<&String>> = BTreeMap::new();
         for (id, node) in document.nodes() {
-            let tag = node.params.get("tag").and_then(Json::as_i64).unwrap_or(0);
-            groups.entry((node.type_name.clone(), tag)).or_default().push(id);
+            let tag = node.params.get("tag").and_then(Literal::as_i64).unwrap_or(0);
+            groups.entry((node.type_name.to_string(), tag)).or_default().push(id);
         }
         for (who, count) in calls {
             let nodes = groups.get(who).ok_or_else(|| format!("{who:?} ran and is not there"))?;
@@ -286,7 +286,7 @@ impl Lane {
                     .iter()
                     .flatten()
                     .any(|t| t.branches().iter().any(|(_, c)| (0..c.len()).any(|i| c.is_valid(i))));
-                let tag = document.nodes().get(node.id).and_then(|n| n.params.get("tag")).and_then(Json::as_i64);
+                let tag = document.nodes().get(node.id).and_then(|n| n.params.get("tag")).and_then(Literal::as_i64);
                 let who = (node.type_name.to_string(), tag.unwrap_or(0));
                 ensure!(!made || calls.contains_key(&who), "{} is said to have run, and did not", node.id);
             }
@@ -318,7 +318,7 @@ impl Lane {
             // What a bypassed node passes on is not its own.
             let own = *happened != Happened::Bypassed && !outputs.is_empty();
             match outputs.iter().cloned().collect::<Option<Vec<Tree>>>().filter(|_| own) {
-                Some(outputs) => self.last.insert(id.clone(), Last { type_name: node.type_name.clone(), outputs }),
+                Some(outputs) => self.last.insert(id.clone(), Last { type_name: node.type_name.to_string(), outputs }),
                 None => self.last.remove(id),
             };
         }

@@ -130,7 +130,7 @@ fn with_constants(
         let t = fresh.registry().get(&node.type_name)?;
         let constant = held_type(id, t, last);
         let mut node = Node::new(constant.type_name());
-        node.note = Some("kept".into());
+        node.more.note = Some("kept".into());
         more.push(constant);
         with.insert(id.clone(), node).ok()?;
     }

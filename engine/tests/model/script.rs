@@ -125,12 +125,12 @@ fn node(dice: &mut Dice, document: &Document, id: &str) -> Node {
 fn wires(dice: &mut Dice, document: &Document, of: &str) -> Wires {
     let mut wires = Wires::default();
     let count = if dice.chance(25) { 2 } else { 1 };
-    wires.from = (0..count).map(|_| source(dice, document, of)).collect();
+    wires.from = (0..count).map(|_| source(dice, document, of).into()).collect();
     if dice.chance(20) {
-        wires.tree.push(*dice.of(&[TreeOp::Graft, TreeOp::Flatten, TreeOp::Simplify, TreeOp::Reverse]));
+        wires.more.tree.push(*dice.of(&[TreeOp::Graft, TreeOp::Flatten, TreeOp::Simplify, TreeOp::Reverse]));
     }
     if dice.chance(10) {
-        wires.matching = matching(dice);
+        wires.more.matching = matching(dice);
     }
     wires
 }
@@ -163,7 +163,7 @@ fn operation(dice: &mut Dice, document: &Document) -> Operation {
         },
         16..18 => {
             let wired: Vec<(String, String)> = document.nodes().get(&node_id).map_or_else(Vec::new, |n| {
-                n.inputs.iter().flat_map(|(p, w)| w.from.iter().map(|f| (p.clone(), f.clone()))).collect()
+                n.inputs.iter().flat_map(|(p, w)| w.from.iter().map(|f| (p.to_string(), f.to_string()))).collect()
             });
             let gone = ("a".to_owned(), "n0.value".to_owned());
             let (port, from) = if wired.is_empty() { gone } else { dice.of(&wired).clone() };
@@ -189,8 +189,8 @@ fn operation(dice: &mut Dice, document: &Document) -> Operation {
         // The same wires in another shape.
         33 => {
             let found = document.nodes().get(&node_id).and_then(|n| n.inputs.iter().next());
-            let (port, mut wires) = found.map_or_else(Default::default, |(p, w)| (p.clone(), w.clone()));
-            wires.tree = vec![*dice.of(&[TreeOp::Graft, TreeOp::Flatten, TreeOp::Simplify, TreeOp::Reverse])];
+            let (port, mut wires) = found.map_or_else(Default::default, |(p, w)| (p.to_string(), w.clone()));
+            wires.more.tree = vec![*dice.of(&[TreeOp::Graft, TreeOp::Flatten, TreeOp::Simplify, TreeOp::Reverse])];
             O::PutWires { node: node_id, port, wires: Some(wires) }
         }
         34..41 => O::SetState { node: node_id, state: state(dice) },

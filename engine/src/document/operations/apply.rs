@@ -1,9 +1,12 @@
 //! Applying an operation. All of them come down to putting single places to values through `Edit`, which notes how to
 //! take each back; so no operation needs an inverse of its own.
 
+use super::super::fields::Name;
 use super::super::format::node_text;
+use super::super::literal::Literal;
 use super::super::load::{DEPTH_LIMIT, check_foreign, read_node};
-use super::super::model::{Document, InterfaceInput, InterfaceOutput, Node, Raw, Wires, split_port, valid_id};
+use super::super::model::WiresMore;
+use super::super::model::{Document, InterfaceInput, InterfaceOutput, Node, Wires, split_port, valid_id};
 use super::cluster::{CLUSTER_KEYS, check_interface_key};
 use super::{Operation, Table};
 use crate::diagnostic::{Diagnostic, did_you_mean};
@@ -74,7 +77,7 @@ impl Edit<'_> {
             }
             Operation::SetNote { node, note } => {
                 self.known(node)?;
-                self.change(node, |n| n.note.clone_from(note));
+                self.change(node, |n| n.more.note.clone_from(note));
                 Ok(())
             }
             Operation::SetGroup { name, nodes } => self.set_group(name, nodes.as_deref()),
@@ -144,7 +147,7 @@ impl Edit<'_> {
         if node.version == 0 {
             return refuse("bad-version", format!("\"v\" of node \"{id}\" must be a whole number from 1, not 0"));
         }
-        node.params.values().try_for_each(|v| check_depth(v, 4 + self.above))?;
+        node.params.values().filter_map(Literal::nested).try_for_each(|v| check_depth(v, 4 + self.above))?;
         node.inputs.values().try_for_each(check_wires)?;
         let mut node = node.clone();
         node.check_source();
@@ -157,7 +160,7 @@ impl Edit<'_> {
     fn change(&mut self, id: &str, change: impl FnOnce(&mut Node)) {
         let Some(node) = self.document.nodes.get_mut(id) else { return };
         self.undo.push(Operation::PutNode { id: id.into(), node: Some(Box::new(node.clone())) });
-        node.raw = Raw(None);
+        node.forget_source();
         change(node);
     }
 
@@ -170,9 +173,13 @@ impl Edit<'_> {
         };
         match self.document.nodes.get_mut(id) {
             // A slider moves often: without source text to bring back, the old value is all that undoing needs.
-            Some(node) if node.raw.0.is_none() => {
+            Some(node) if node.more.raw.0.is_none() => {
                 let old = put(node);
-                self.undo.push(Operation::SetParam { node: id.into(), port: port.into(), value: old });
+                self.undo.push(Operation::SetParam {
+                    node: id.into(),
+                    port: port.into(),
+                    value: old.map(|v| v.to_json()),
+                });
             }
             _ => self.change(id, |node| {
                 put(node);
@@ -214,7 +221,7 @@ impl Edit<'_> {
         self.known(id)?;
         let mut wires = self.wires(id, port).unwrap_or_default();
         let Some(i) = wires.from.iter().position(|f| f == from) else {
-            let hint = did_you_mean(from, wires.from.iter().map(String::as_str));
+            let hint = did_you_mean(from, wires.from.iter().map(Name::as_str));
             let message = format!("there is no wire from {from}");
             return Err(Diagnostic::error("unknown-wire", message).at(id).port(port).maybe_hint(hint));
         };
@@ -266,7 +273,7 @@ impl Edit<'_> {
             }
         }
         for (user, port, mut wires) in touched {
-            wires.from = wires.from.iter().filter_map(|f| renamed(f)).collect();
+            wires.from = wires.from.iter().filter_map(|f| renamed(f).map(Name::from)).collect();
             self.put_wires(&user, &port, Some(wires).filter(|w| !w.says_nothing()));
         }
         let inputs = self.document.inputs.iter().filter(|(_, i)| i.ports.iter().any(|p| of_node(p)));
@@ -368,16 +375,16 @@ impl Node {
     /// Drops source text that no longer says what the node is: fields are public, so a copy may have been changed.
     /// O(source text).
     pub(crate) fn check_source(&mut self) {
-        let Some(raw) = &self.raw.0 else { return };
+        let Some(raw) = &self.more.raw.0 else { return };
         if read_node(raw).is_none_or(|said| said != *self || node_text(&said, 0) != node_text(self, 0)) {
-            self.raw = Raw(None);
+            self.forget_source();
         }
     }
 }
 
 impl Wires {
     pub(super) fn says_nothing(&self) -> bool {
-        self.from.is_empty() && self.tree.is_empty() && self.matching.is_none() && self.extra.is_empty()
+        self.from.is_empty() && *self.more == WiresMore::default()
     }
 }
 

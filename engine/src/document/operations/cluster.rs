@@ -1,6 +1,7 @@
 //! The table of clusters under change: putting a definition or a link in its place, and editing inside a definition.
 
 use super::super::cluster::{Cluster, is_version};
+use super::super::literal::Literal;
 use super::super::load::check_foreign;
 use super::super::model::{Document, valid_id};
 use super::Operation;
@@ -74,8 +75,8 @@ fn check_body(name: &str, body: &Document) -> Result<(), Diagnostic> {
         if !valid_id(id) || node.version == 0 {
             return refuse("bad-id", format!("node \"{id}\" of cluster \"{name}\" has no possible id or version"));
         }
-        node.params.values().try_for_each(|v| check_depth(v, 4 + INSIDE))?;
-        node.extra.values().try_for_each(|v| check_depth(v, 3 + INSIDE))?;
+        node.params.values().filter_map(Literal::nested).try_for_each(|v| check_depth(v, 4 + INSIDE))?;
+        node.more.extra.values().try_for_each(|v| check_depth(v, 3 + INSIDE))?;
         node.inputs.values().try_for_each(check_wires)?;
     }
     body.inputs.iter().try_for_each(|(input, i)| check_input(input, i))?;

@@ -1,8 +1,10 @@
 //! What makes one document into another.
 
 use super::super::cluster::Cluster;
+use super::super::fields::Name;
 use super::super::format::{input_text, json_text, link_text, node_text, output_text};
-use super::super::model::{Document, Node, Raw};
+use super::super::literal::Literal;
+use super::super::model::{Document, Node};
 use super::apply::apply_at;
 use super::{Operation, Table};
 use crate::value::Json;
@@ -100,10 +102,10 @@ fn renames(a: &Document, b: &Document) -> Vec<Operation> {
             for (id, node) in nodes.iter().filter(|(id, _)| !taken.contains(id)) {
                 let mut key = likeness(node);
                 if sharp {
-                    let known = |from: &&String| {
+                    let known = |from: &&Name| {
                         from.split_once('.').is_some_and(|(source, _)| others.nodes.contains_key(source))
                     };
-                    let wires: Vec<&String> = node.inputs.values().flat_map(|w| &w.from).filter(known).collect();
+                    let wires: Vec<&Name> = node.inputs.values().flat_map(|w| &w.from).filter(known).collect();
                     key.push_str(&format!("{wires:?} {:?}", document.layout.positions.get(*id)));
                 }
                 alike.entry(key).or_default()[side].push(id);
@@ -127,13 +129,13 @@ fn only_in<'a>(a: &'a Document, b: &Document) -> Vec<(&'a str, &'a Node)> {
 /// Everything that the file says of a node, but of its wires only how many there are: their sources may be renamed too.
 fn likeness(node: &Node) -> String {
     let mut bare = node.clone();
-    let counts: Vec<(&String, usize)> = node.inputs.iter().map(|(port, wires)| (port, wires.from.len())).collect();
+    let counts: Vec<(&Name, usize)> = node.inputs.iter().map(|(port, wires)| (port, wires.from.len())).collect();
     for port in node.inputs.keys() {
         if let Some(wires) = bare.inputs.get_mut(port) {
             wires.from.clear();
         }
     }
-    bare.raw = Raw(None);
+    bare.forget_source();
     format!("{} {counts:?} ", node_text(&bare, 0))
 }
 
@@ -153,9 +155,13 @@ fn same_json(a: &Json, b: &Json) -> bool {
     json_text(a) == json_text(b)
 }
 
+fn same_literal(a: &Literal, b: &Literal) -> bool {
+    same_json(&a.json(), &b.json())
+}
+
 /// What the file says of a node.
 fn source(node: &Node, depth: usize) -> Cow<'_, str> {
-    match &node.raw.0 {
+    match &node.more.raw.0 {
         Some(raw) => Cow::Borrowed(raw),
         None => Cow::Owned(node_text(node, depth)),
     }
@@ -163,23 +169,24 @@ fn source(node: &Node, depth: usize) -> Cow<'_, str> {
 
 fn node_diff(id: &str, a: &Node, b: &Node, depth: usize) -> Vec<Operation> {
     let whole = || vec![Operation::PutNode { id: id.into(), node: Some(Box::new(b.clone())) }];
-    let same_extra = changed(&a.extra, &b.extra, same_json).is_empty();
+    let same_extra = changed(&a.more.extra, &b.more.extra, same_json).is_empty();
     // Source text that is not in canonical form comes over only with the whole node.
-    let plain = b.raw.0.as_ref().is_none_or(|raw| **raw == node_text(b, depth));
+    let plain = b.more.raw.0.as_ref().is_none_or(|raw| **raw == node_text(b, depth));
     if a.type_name != b.type_name || a.version != b.version || !same_extra || !plain {
         return whole();
     }
     let mut all = Vec::new();
     let gone = a.params.keys().filter(|p| !b.params.contains_key(p)).map(|p| (p, None));
-    let there = b.params.iter().filter(|(p, v)| !a.params.get(p).is_some_and(|old| same_json(old, v)));
-    for (port, value) in gone.chain(there.map(|(p, v)| (p, Some(v.clone())))) {
-        all.push(Operation::SetParam { node: id.into(), port: port.clone(), value });
+    let there = b.params.iter().filter(|(p, v)| !a.params.get(p).is_some_and(|old| same_literal(old, v)));
+    for (port, value) in gone.chain(there.map(|(p, v)| (p, Some(v.to_json())))) {
+        all.push(Operation::SetParam { node: id.into(), port: port.to_string(), value });
     }
-    let same = |a: &super::Wires, b: &super::Wires| a == b && changed(&a.extra, &b.extra, same_json).is_empty();
+    let same =
+        |a: &super::Wires, b: &super::Wires| a == b && changed(&a.more.extra, &b.more.extra, same_json).is_empty();
     let gone = a.inputs.keys().filter(|p| !b.inputs.contains_key(p)).map(|p| (p, None));
     let there = b.inputs.iter().filter(|(p, w)| !a.inputs.get(p).is_some_and(|old| same(old, w)));
     for (port, wires) in gone.chain(there.map(|(p, w)| (p, Some(w.clone())))) {
-        all.push(Operation::PutWires { node: id.into(), port: port.clone(), wires });
+        all.push(Operation::PutWires { node: id.into(), port: port.to_string(), wires });
     }
     if a.matching != b.matching {
         all.push(Operation::SetMatching { node: id.into(), matching: b.matching });
@@ -187,8 +194,8 @@ fn node_diff(id: &str, a: &Node, b: &Node, depth: usize) -> Vec<Operation> {
     if a.state != b.state {
         all.push(Operation::SetState { node: id.into(), state: b.state });
     }
-    if a.note != b.note {
-        all.push(Operation::SetNote { node: id.into(), note: b.note.clone() });
+    if a.more.note != b.more.note {
+        all.push(Operation::SetNote { node: id.into(), note: b.more.note.clone() });
     }
     if all.is_empty() { whole() } else { all }
 }

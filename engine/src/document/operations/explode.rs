@@ -1,8 +1,10 @@
 //! Taking clusters apart: an instance replaced by the nodes that it stands for, and a linked file taken into the graph.
 
 use super::super::cluster::{Cluster, Link};
+use super::super::fields::Name;
 use super::super::link::{folder_of, join};
-use super::super::model::{Document, Node, Raw, Wires, split_port};
+use super::super::literal::Literal;
+use super::super::model::{Document, Node, Wires, split_port};
 use super::fragment::{Names, OuterWires, Paste};
 use super::{InterfaceInput, InterfaceOutput, Operation, Table};
 use crate::diagnostic::{Diagnostic, did_you_mean};
@@ -38,7 +40,8 @@ impl Document {
         };
         for (id, inner) in &mut fragment.nodes {
             if inner.state.within(node.state) != inner.state {
-                (inner.state, inner.raw) = (inner.state.within(node.state), Raw(None));
+                inner.state = inner.state.within(node.state);
+                inner.forget_source();
             }
             write_out(self, &plan, instance, id, inner)?;
         }
@@ -58,15 +61,18 @@ impl Document {
             Some(format!("{}.{port}", ids.get(id)?))
         };
         // An output of the instance, or anything else as it stands.
-        let source = |address: &String| match split_port(address) {
+        let source = |address: &str| match split_port(address) {
             Some((id, port)) if id == instance => {
-                outputs.get(port).and_then(|o| there(&o.port)).unwrap_or_else(|| address.clone())
+                outputs.get(port).and_then(|o| there(&o.port)).unwrap_or_else(|| address.to_owned())
             }
-            _ => address.clone(),
+            _ => address.to_owned(),
         };
-        let lead = |wires: &Wires| Wires { from: wires.from.iter().map(source).collect(), ..wires.clone() };
+        let lead = |wires: &Wires| Wires {
+            from: wires.from.iter().map(|f| source(f).into()).collect(),
+            more: wires.more.clone(),
+        };
         for (name, wires) in &node.inputs {
-            for place in inputs.get(name).into_iter().flat_map(|i| &i.ports).filter_map(there) {
+            for place in inputs.get(name.as_str()).into_iter().flat_map(|i| &i.ports).filter_map(there) {
                 let Some((id, port)) = split_port(&place) else { continue };
                 let wires = Some(lead(wires));
                 all.push(Operation::PutWires { node: id.into(), port: port.into(), wires });
@@ -76,7 +82,7 @@ impl Document {
             for (port, wires) in &other.inputs {
                 if wires.from.iter().any(|f| split_port(f).is_some_and(|(n, _)| n == instance)) {
                     let wires = Some(lead(wires));
-                    all.push(Operation::PutWires { node: id.clone(), port: port.clone(), wires });
+                    all.push(Operation::PutWires { node: id.clone(), port: port.to_string(), wires });
                 }
             }
         }
@@ -211,7 +217,8 @@ impl Document {
 fn rename(nodes: &mut BTreeMap<String, Node>, to: &BTreeMap<String, String>) {
     for node in nodes.values_mut() {
         if let Some(name) = node.cluster().and_then(|name| to.get(name)) {
-            (node.type_name, node.raw) = (Node::instance(name).type_name, Raw(None));
+            node.type_name = Node::instance(name).type_name;
+            node.forget_source();
         }
     }
 }
@@ -221,38 +228,39 @@ fn from_folder(document: &mut Document, folder: &str, registry: &Registry) {
     for node in document.nodes.values_mut() {
         let Some(t) = registry.get(&node.type_name) else { continue };
         for port in t.inputs.iter().filter(|p| p.file) {
-            let Some(json) = node.params.get_mut(port.name()) else { continue };
+            let Some(literal) = node.params.get_mut(port.name()) else { continue };
             let one = |path: &Json| path.as_str().map_or_else(|| path.clone(), |path| join(folder, path).into());
-            let new = match &*json {
+            let new: Json = match literal.to_json() {
                 Json::Array(paths) => paths.iter().map(one).collect(),
-                path => one(path),
+                path => one(&path),
             };
-            (*json, node.raw) = (new, Raw(None));
+            *literal = new.into();
+            node.forget_source();
         }
     }
 }
 
 /// Writes the formulas of a node inside an instance so that they mean the same outside of it.
 fn write_out(document: &Document, plan: &Plan, instance: &str, id: &str, node: &mut Node) -> Result<(), Diagnostic> {
-    let ports: Vec<String> = node.params.keys().cloned().collect();
+    let ports: Vec<Name> = node.params.keys().cloned().collect();
     for port in ports {
-        let Some(json) = node.params.get(&port) else { continue };
+        let Some(json) = node.params.get(&port).map(Literal::json) else { continue };
         let Ok((n, p)) = plan.find_input(&format!("{instance}/{id}.{port}")) else { continue };
         let Some(t) = plan.node_type(n) else { continue };
         // What the instance or a wire overrules goes as it is.
-        if t.inputs[p].names_in(json).is_empty() || !plan.is_formula_of(n, p, instance) {
+        if t.inputs[p].names_in(&json).is_empty() || !plan.is_formula_of(n, p, instance) {
             continue;
         }
         let wrong = |why: String| {
             let message = format!("a formula inside cannot be written for the graph outside: {why}");
-            Diagnostic::error("formula-in-cluster", message).at(format!("{instance}/{id}")).port(&port)
+            Diagnostic::error("formula-in-cluster", message).at(format!("{instance}/{id}")).port(port.as_str())
         };
         let write = |text: &str| -> Result<String, Diagnostic> {
             let formula = Expression::parse(text).map_err(|e| wrong(e.to_string()))?;
             let written = formula.written_with(text, &|name| plan.input_text(document, instance, name));
             written.map_err(wrong)
         };
-        let new = match json {
+        let new: Json = match &*json {
             Json::String(text) => Json::from(write(text)?),
             Json::Array(items) => items
                 .iter()
@@ -267,7 +275,7 @@ fn write_out(document: &Document, plan: &Plan, instance: &str, id: &str, node: &
             return Err(wrong(format!("{new} is not the same number")));
         }
         node.params.insert(port, new);
-        node.raw = Raw(None);
+        node.forget_source();
     }
     Ok(())
 }

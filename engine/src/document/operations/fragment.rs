@@ -1,7 +1,8 @@
 //! Copy and paste: a fragment is a document of its own, so its text can go through a clipboard.
 
 use super::super::cluster::Cluster;
-use super::super::model::{Document, Node, Raw, split_port};
+use super::super::fields::Name;
+use super::super::model::{Document, Node, split_port};
 use super::{Operation, Table};
 use crate::diagnostic::{Diagnostic, did_you_mean};
 use crate::value::Json;
@@ -98,7 +99,7 @@ impl Document {
             let mut inputs = node.inputs.clone();
             for (port, wires) in &node.inputs {
                 let mut wires = wires.clone();
-                wires.from = wires.from.iter().filter_map(|f| address(f)).collect();
+                wires.from = wires.from.iter().filter_map(|f| address(f).map(Name::from)).collect();
                 if wires.says_nothing() {
                     inputs.remove(port);
                 } else {
@@ -107,7 +108,7 @@ impl Document {
             }
             if inputs != node.inputs {
                 node.inputs = inputs;
-                node.raw = Raw(None);
+                node.forget_source();
             }
             all.push(Operation::AddNode { id: ids[id].clone(), node: Box::new(node) });
         }

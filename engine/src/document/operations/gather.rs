@@ -1,7 +1,7 @@
 //! Making a cluster of nodes that stand in a graph: wires across the border become ports of its interface.
 
 use super::super::cluster::Cluster;
-use super::super::model::{Document, InterfaceInput, InterfaceOutput, Node, Raw, Wires, split_port};
+use super::super::model::{Document, InterfaceInput, InterfaceOutput, Node, Wires, split_port};
 use super::fragment::Names;
 use super::{Operation, Table};
 use crate::diagnostic::{Diagnostic, did_you_mean};
@@ -91,20 +91,20 @@ impl Border {
                 return Err(Diagnostic::error("mixed-wires", message).at(id).port(port).hint(hint));
             }
             taken.inputs.remove(port);
-            taken.raw = Raw(None);
-            let shared = self.instance.inputs.iter().find(|(_, w)| *w == wires).map(|(name, _)| name.clone());
+            taken.forget_source();
+            let shared = self.instance.inputs.iter().find(|(_, w)| *w == wires).map(|(name, _)| name.to_string());
             let input = shared.unwrap_or_else(|| self.new_input(id, port));
             self.bind(&input, id, port);
             self.instance.inputs.insert(input, wires.clone());
         }
-        for (port, json) in &node.params {
+        for (port, literal) in &node.params {
             // A formula over inputs of the document is computed outside and handed in.
-            if names_input(document, json) && !node.inputs.contains_key(port) {
+            if names_input(document, &literal.json()) && !node.inputs.contains_key(port) {
                 taken.params.remove(port);
-                taken.raw = Raw(None);
+                taken.forget_source();
                 let input = self.new_input(id, port);
                 self.bind(&input, id, port);
-                self.instance.params.insert(input, json.clone());
+                self.instance.params.insert(input, literal.clone());
             }
         }
         if let Some(position) = document.position(id) {
@@ -155,7 +155,7 @@ impl Border {
                 if let Some(Some(value)) = values.next()
                     && values.all(|other| other.as_ref() == Some(&value))
                 {
-                    self.instance.params.insert(own.clone(), value);
+                    self.instance.params.insert(own.as_str(), value);
                 }
                 let (unit, doc) = (input.unit.clone(), input.doc.clone());
                 self.body.inputs.insert(own.clone(), InterfaceInput { ports: open, unit, doc, ..Default::default() });
@@ -190,7 +190,7 @@ impl Border {
             for (port, wires) in &node.inputs {
                 if wires.from.iter().any(|from| is_inside(inside, from)) {
                     let wires = self.led_from(wires, inside, instance);
-                    self.all.push(Operation::PutWires { node: id.clone(), port: port.clone(), wires: Some(wires) });
+                    self.all.push(Operation::PutWires { node: id.clone(), port: port.to_string(), wires: Some(wires) });
                 }
             }
         }
@@ -209,9 +209,9 @@ impl Border {
 
     fn led_from(&mut self, wires: &Wires, inside: &BTreeSet<&str>, instance: &str) -> Wires {
         let from = wires.from.iter().map(|from| {
-            if is_inside(inside, from) { format!("{instance}.{}", self.output(from)) } else { from.clone() }
+            if is_inside(inside, from) { format!("{instance}.{}", self.output(from)).into() } else { from.clone() }
         });
-        Wires { from: from.collect(), ..wires.clone() }
+        Wires { from: from.collect(), more: wires.more.clone() }
     }
 
     /// Groups that lie inside go along; in others the instance stands for the nodes that have gone.
