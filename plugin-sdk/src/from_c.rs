@@ -3,69 +3,12 @@
 
 use crate::abi::plugin::*;
 use crate::abi::value::*;
+use crate::sound::BadValue;
 use crate::value::{Branch, Curve, Feature, Features, File, Items, Machining, Mesh, Panels};
 use bytemuck::Pod;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ffi::c_void;
-
-/// What is wrong with a value that crossed.
-#[derive(Debug, thiserror::Error, PartialEq, Eq)]
-pub enum BadValue {
-    /// A pointer is NULL although something is said to be there.
-    #[error("{0} is NULL")]
-    Null(&'static str),
-    /// A pointer does not suit its type.
-    #[error("{0} is misaligned")]
-    Misaligned(&'static str),
-    /// A length or stride that cannot be.
-    #[error("{what}: {found} is impossible{hint}")]
-    Length {
-        /// What.
-        what: &'static str,
-        /// The length.
-        found: u64,
-        /// What would be right.
-        hint: &'static str,
-    },
-    /// Offsets that do not begin at 0, fall, or do not end at the array's length.
-    #[error("{0} must begin with 0, never fall, and end with the number of entries")]
-    Offsets(&'static str),
-    /// An index past the end.
-    #[error("{what}: {found} is not below {count}")]
-    Index {
-        /// What.
-        what: &'static str,
-        /// The index.
-        found: u32,
-        /// How many there are.
-        count: usize,
-    },
-    /// A text is not UTF-8.
-    #[error("{what} is not UTF-8 after byte {after}")]
-    Text {
-        /// What.
-        what: &'static str,
-        /// Bytes that are.
-        after: usize,
-    },
-    /// A type, machining or path that there is not.
-    #[error("{what} {found} is not known")]
-    Unknown {
-        /// What.
-        what: &'static str,
-        /// The number.
-        found: u64,
-    },
-    /// NaN or infinity.
-    #[error("{what}: entry {entry} is not finite")]
-    NotFinite {
-        /// What.
-        what: &'static str,
-        /// Its index.
-        entry: usize,
-    },
-}
 
 type Read<T> = Result<T, BadValue>;
 
@@ -209,27 +152,6 @@ pub(crate) unsafe fn text<'a>(t: tenon_str, what: &'static str) -> Read<&'a str>
     // SAFETY: as the caller vouches.
     let bytes = unsafe { slice(t.ptr.cast::<u8>(), t.len, what)? };
     std::str::from_utf8(bytes).map_err(|e| BadValue::Text { what, after: e.valid_up_to() })
-}
-
-fn offsets(offsets: &[u32], end: usize, what: &'static str) -> Read<()> {
-    let good = offsets.first() == Some(&0)
-        && offsets.last().map(|e| *e as usize) == Some(end)
-        && offsets.windows(2).all(|w| w[0] <= w[1]);
-    if good { Ok(()) } else { Err(BadValue::Offsets(what)) }
-}
-
-fn below(indices: &[u32], count: usize, what: &'static str) -> Read<()> {
-    match indices.iter().find(|i| **i as usize >= count) {
-        Some(&found) => Err(BadValue::Index { what, found, count }),
-        None => Ok(()),
-    }
-}
-
-fn finite(points: &[tenon_vec3], what: &'static str) -> Read<()> {
-    match points.iter().position(|p| !(p.x.is_finite() && p.y.is_finite() && p.z.is_finite())) {
-        Some(entry) => Err(BadValue::NotFinite { what, entry }),
-        None => Ok(()),
-    }
 }
 
 /// 0 and 1 as truth values; anything but 0 is true.
@@ -387,8 +309,9 @@ impl Reader<'_> {
             // SAFETY: see above.
             unsafe { self.array(c.strip_start, c.strip_count.saturating_add(1), "strip_start")? }
         };
-        offsets(&strip_start, points.len(), "strip_start")?;
-        Ok(Curve { points, strip_start, closed: c.closed != 0 })
+        let curve = Curve { points, strip_start, closed: c.closed != 0 };
+        curve.check()?;
+        Ok(curve)
     }
 
     unsafe fn mesh<'a>(&mut self, m: &tenon_mesh) -> Read<Mesh<'a>> {
@@ -407,9 +330,7 @@ impl Reader<'_> {
                 },
             }
         };
-        offsets(&mesh.face_start, mesh.face_vertices.len(), "face_start")?;
-        below(&mesh.face_vertices, mesh.points.len(), "face_vertices")?;
-        finite(&mesh.points, "mesh points")?;
+        mesh.check()?;
         Ok(mesh)
     }
 
@@ -435,24 +356,7 @@ impl Reader<'_> {
                 voided: truths(self.array::<u8>(p.voided, k, "voided")?).into(),
             }
         };
-        offsets(&panels.corner_start, panels.front.len(), "corner_start")?;
-        if !panels.thickness.is_finite() {
-            return Err(BadValue::NotFinite { what: "thickness", entry: 0 });
-        }
-        finite(&panels.normal, "normal")?;
-        finite(&panels.front, "front")?;
-        finite(&panels.back_start, "back_start")?;
-        finite(&panels.back_end, "back_end")?;
-        if let Some(entry) = panels.chamfer.iter().position(|c| !c.offset.is_finite()) {
-            return Err(BadValue::NotFinite { what: "chamfer", entry });
-        }
-        for n in panels.neighbour.iter().filter(|n| **n != tenon_edge::NONE) {
-            below(&[n.panel], panels.len(), "neighbour.panel")?;
-            below(&[n.edge], panels.corners(n.panel as usize).len(), "neighbour.edge")?;
-        }
-        if let Some(side) = panels.side.iter().find(|s| **s > TENON_SIDE_OTHER) {
-            return Err(BadValue::Unknown { what: "side", found: (*side).into() });
-        }
+        panels.check()?;
         Ok(panels)
     }
 
@@ -477,11 +381,6 @@ impl Reader<'_> {
             let line: Cow<'a, [tenon_vec3]> = self.array(f.line, f.line_count, "feature.line")?;
             (line, text::<'a>(f.text, "feature.text")?, text::<'a>(f.purpose, "feature.purpose")?)
         };
-        finite(&[f.at, f.to, f.axis], "feature")?;
-        finite(&line, "feature.line")?;
-        if !(f.depth.is_finite() && f.width.is_finite()) {
-            return Err(BadValue::NotFinite { what: "feature.depth or feature.width", entry: 0 });
-        }
         let machining = match f.kind {
             TENON_DRILL => Machining::Drill { entry: f.at, axis: f.axis, depth: f.depth, diameter: f.width },
             TENON_SLOT => Machining::Slot { from: f.at, to: f.to, axis: f.axis, width: f.width, depth: f.depth },
@@ -498,14 +397,10 @@ impl Reader<'_> {
             other => return Err(BadValue::Unknown { what: "feature.kind", found: other.into() }),
         };
         let some = |i: u32| (i != TENON_NONE).then_some(i);
-        Ok(Feature {
-            panel: f.panel,
-            edge: some(f.edge),
-            joint: some(f.joint),
-            by_hand: f.by_hand != 0,
-            purpose: purpose.into(),
-            machining,
-        })
+        let (edge, joint, by_hand) = (some(f.edge), some(f.joint), f.by_hand != 0);
+        let feature = Feature { panel: f.panel, edge, joint, by_hand, purpose: purpose.into(), machining };
+        feature.check()?;
+        Ok(feature)
     }
 
     unsafe fn file<'a>(&mut self, f: &tenon_file) -> Read<File<'a>> {

@@ -11,8 +11,9 @@ pub mod check;
 mod from_c;
 #[cfg(feature = "host")]
 pub mod load;
+mod sound;
 mod to_c;
 pub mod value;
 
-pub use from_c::BadValue;
+pub use sound::BadValue;
 pub use to_c::CTree;
