@@ -5,10 +5,11 @@ use crate::handle::{self, Object};
 use crate::read;
 use crate::text::{self, tenon_text};
 use ::tenon_engine::{Json, Registry, nearest};
+use std::collections::BTreeMap;
 use std::ffi::c_char;
 use std::path::PathBuf;
 use std::sync::Arc;
-use tenon_nodes::plugin::{Found, folders, load_all};
+use tenon_nodes::plugin::{Found, Wanted, folders, load_all};
 
 /// Node types and settings. Free it with `tenon_engine_free`; graphs that were loaded with it live on.
 pub struct tenon_engine {
@@ -77,7 +78,10 @@ pub unsafe extern "C" fn tenon_engine_new(
         }
         let mut registry = tenon_nodes::registry();
         let folders = if config.search == 0 { Vec::new() } else { folders() };
-        let plugins = load_all(&mut registry, &named, &folders).map_err(|e| Failure::argument(e.to_string()))?;
+        // Which plugins run apart is the policy's to say: graphs come later.
+        let wanted = Wanted::new(&BTreeMap::new(), &[]);
+        let plugins =
+            load_all(&mut registry, &named, &folders, &wanted).map_err(|e| Failure::argument(e.to_string()))?;
         let cache_bytes = if config.cache_bytes == 0 { 1 << 30 } else { config.cache_bytes };
         let engine = Engine {
             registry: Arc::new(registry),

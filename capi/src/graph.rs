@@ -13,6 +13,7 @@ use std::io::{self, Read};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tenon_nodes::plugin::Wanted;
 use tenon_plugin::abi::value::tenon_str;
 
 /// One graph being worked on. Free it with `tenon_graph_free`. Any thread may call with it; calls wait for one another,
@@ -95,7 +96,8 @@ pub unsafe extern "C" fn tenon_graph_load(
             Some(PathBuf::from(unsafe { read::text(folder, "folder")? }))
         };
         let document = Document::from_slice(json).map_err(|d| Failure::of(&d))?;
-        let missing = engine.plugins.missing(&document.requires);
+        let missing = engine.plugins.missing(&Wanted::new(&document.requires, &[]));
+        let missing: Vec<_> = missing.into_iter().map(|(_, why)| why).collect();
         if !missing.is_empty() {
             return Err(Failure::of(&missing));
         }

@@ -21,6 +21,9 @@ pub struct CommandLine {
     /// user's folder are loaded as well
     #[arg(long, value_name = "LIBRARY", global = true)]
     pub plugin: Vec<PathBuf>,
+    /// Run a plugin in a process of its own, so that its crashes are its own; all means every plugin
+    #[arg(long, value_name = "ID", global = true)]
+    pub isolate: Vec<String>,
 }
 
 /// The sub-commands.
@@ -63,6 +66,18 @@ pub enum PluginCommand {
     Check(PluginCheckArgs),
     /// Write the source of a new plugin into a folder
     New(PluginNewArgs),
+    /// Be the process of a plugin; started by tenon itself
+    #[command(hide = true)]
+    Host(PluginHostArgs),
+}
+
+/// Options of `tenon plugin host`.
+#[derive(Debug, Args)]
+pub struct PluginHostArgs {
+    /// The shared library
+    pub library: PathBuf,
+    /// The memory that it may take, bytes
+    pub memory: u64,
 }
 
 /// Options of `tenon plugin check`.

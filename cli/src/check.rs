@@ -10,8 +10,7 @@ use tenon_engine::Severity;
 pub fn check(args: &CheckArgs) -> Result<End, Wrong> {
     let (file, mut document) = graph::load(&args.graph)?;
     document.read_links(&graph::Files::new(&file, HashSet::new()));
-    let (registry, missing) = crate::plugins::registry_and_missing(&document)?;
-    let diagnostics = [missing, document.validate(&registry)].concat();
+    let diagnostics = document.validate(&crate::plugins::registry_for(&document)?);
     let errors = diagnostics.iter().filter(|d| d.severity == Severity::Error).count();
     Voice::new().diagnostics(&diagnostics);
     if args.json {

@@ -31,6 +31,11 @@ pub const CODES: &[Code] = &[
         "The system gives the program no thread to work on.",
         "Close other programs, or raise their limit.",
     ),
+    code(
+        "not-a-host",
+        "The process of a plugin was started by hand.",
+        "tenon starts it by itself: --isolate ID runs a plugin in a process of its own.",
+    ),
     code("not-recorded", "The graph has errors, so nothing was recorded.", "Mend them first."),
     code("not-tested", "Some of the graphs could not be tested.", "Their reasons stand above it."),
     code("same-file-name", "Two nodes make files of the same name.", "Give one of them another name."),

@@ -52,7 +52,7 @@ const DEFAULT_GRAPH: &str = "graphs/shell-256";
 
 fn main() -> ExitCode {
     let line = CommandLine::parse();
-    plugins::name(line.plugin);
+    plugins::name(line.plugin, line.isolate);
     let json = match &line.command {
         Some(Command::Run(a)) => a.json,
         Some(Command::Check(a)) => a.json,
@@ -65,7 +65,7 @@ fn main() -> ExitCode {
         Some(Command::Plugin(args::PluginCommand::List(a))) => a.json,
         Some(Command::Plugin(args::PluginCommand::Info(a))) => a.json,
         Some(Command::Plugin(args::PluginCommand::Check(a))) => a.json,
-        Some(Command::Plugin(args::PluginCommand::New(_))) => false,
+        Some(Command::Plugin(args::PluginCommand::New(_) | args::PluginCommand::Host(_))) => false,
         Some(Command::Schema(_) | Command::Fmt(_)) | None => false,
     };
     let result = match line.command {

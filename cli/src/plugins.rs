@@ -3,56 +3,45 @@
 use crate::End;
 use crate::args::{PluginCommand, PluginInfoArgs, PluginListArgs};
 use crate::words::{Wrong, print, print_json};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::OnceLock;
-use tenon_engine::{Diagnostic, Document, Json, Registry};
-use tenon_nodes::plugin::{Found, Plugin, PluginError, folders, load_all, user_folder};
+use tenon_engine::{Document, Json, Registry};
+use tenon_nodes::plugin::{Found, Plugin, PluginError, Wanted, apart, folders, load_all, user_folder};
 
-/// The libraries given by `--plugin`.
-static NAMED: OnceLock<Vec<PathBuf>> = OnceLock::new();
+/// The libraries given by `--plugin`, and the ids given by `--isolate`.
+static NAMED: OnceLock<(Vec<PathBuf>, Vec<String>)> = OnceLock::new();
 
-/// Keeps the libraries given by `--plugin` for [`registry`].
-pub fn name(libraries: Vec<PathBuf>) {
-    let _ = NAMED.set(libraries);
+/// Keeps what `--plugin` and `--isolate` say for [`registry`].
+pub fn name(libraries: Vec<PathBuf>, isolated: Vec<String>) {
+    let _ = NAMED.set((libraries, isolated));
 }
 
-fn search() -> Result<(Registry, Found), Wrong> {
+fn search(requires: &BTreeMap<String, Json>) -> Result<(Registry, Found), Wrong> {
     let mut registry = tenon_nodes::registry();
-    let named = NAMED.get().map_or(&[][..], Vec::as_slice);
-    let found = load_all(&mut registry, named, &folders());
+    let (named, isolated) = NAMED.get().map_or((&[][..], &[][..]), |(n, i)| (n.as_slice(), i.as_slice()));
+    let found = load_all(&mut registry, named, &folders(), &Wanted::new(requires, isolated));
     let found = found.map_err(|e: PluginError| Wrong::new("bad-plugin", format!("--plugin {e}")))?;
     Ok((registry, found))
 }
 
 /// The built-in node types and those of the plugins. Libraries in folders that were refused are told on stderr.
 pub fn registry() -> Result<Registry, Wrong> {
-    let (registry, found) = search()?;
-    tell(&found);
-    Ok(registry)
+    registry_of(&BTreeMap::new())
 }
 
-/// The same for a graph: what it requires has to be there.
+/// The same for a graph: what it requires and is not there is told when it is evaluated.
 pub fn registry_for(document: &Document) -> Result<Registry, Wrong> {
-    let (registry, missing) = registry_and_missing(document)?;
-    if missing.is_empty() {
-        return Ok(registry);
-    }
-    Err(Wrong::new("missing-plugin", "the graph needs plugins that are not there").because(missing))
+    registry_of(&document.requires)
 }
 
-/// The node types that there are, and what the graph requires besides.
-pub fn registry_and_missing(document: &Document) -> Result<(Registry, Vec<Diagnostic>), Wrong> {
-    let (registry, found) = search()?;
-    tell(&found);
-    let missing = found.missing(&document.requires);
-    Ok((registry, missing))
-}
-
-fn tell(found: &Found) {
+fn registry_of(requires: &BTreeMap<String, Json>) -> Result<Registry, Wrong> {
+    let (registry, found) = search(requires)?;
     for refused in &found.refused {
         eprintln!("warning[bad-plugin]: {refused}");
     }
+    Ok(registry)
 }
 
 /// `tenon plugin …`.
@@ -62,6 +51,9 @@ pub fn plugin(command: &PluginCommand) -> Result<End, Wrong> {
         PluginCommand::Info(args) => info(args),
         PluginCommand::Check(args) => crate::plugin_check::check(args),
         PluginCommand::New(args) => crate::plugin_new::new(args),
+        PluginCommand::Host(args) => {
+            match apart::serve(&args.library, args.memory).map_err(|why| Wrong::new("not-a-host", why))? {}
+        }
     }
 }
 
@@ -78,7 +70,7 @@ fn summary(plugin: &Plugin) -> Json {
 
 /// What is loaded, from where, and what was refused.
 fn list(args: &PluginListArgs) -> Result<End, Wrong> {
-    let (_, found) = search()?;
+    let (_, found) = search(&BTreeMap::new())?;
     if args.json {
         let refused: Vec<String> = found.refused.iter().map(ToString::to_string).collect();
         let plugins: Vec<Json> = found.plugins.iter().map(|p| summary(p)).collect();

@@ -1,5 +1,6 @@
 //! Behaviour of the program `tenon` as a user meets it: the real binary, real files, exit codes, words.
 
+mod apart;
 mod cache;
 mod call;
 mod check;

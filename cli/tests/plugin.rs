@@ -6,13 +6,13 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::OnceLock;
 
-fn root() -> &'static Path {
+pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
 }
 
 /// Compiles C into a library.
 #[track_caller]
-fn compile(source: &Path, name: &str, extra: &[&str]) -> String {
+pub fn compile(source: &Path, name: &str, extra: &[&str]) -> String {
     let library = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name).with_extension(std::env::consts::DLL_EXTENSION);
     let done = Command::new("cc")
         .args(["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-shared", "-fPIC", "-I"])
@@ -28,7 +28,7 @@ fn compile(source: &Path, name: &str, extra: &[&str]) -> String {
     library.display().to_string()
 }
 
-fn hinges() -> &'static str {
+pub fn hinges() -> &'static str {
     static LIBRARY: OnceLock<String> = OnceLock::new();
     LIBRARY.get_or_init(|| compile(&root().join("plugin-sdk/examples/fastener-c/hinge.c"), "hinges", &[]))
 }
@@ -49,7 +49,7 @@ fn rust_example(package: &str) -> String {
 }
 
 /// The graph of 256 panels with a fastener more, whose features join those of the screws.
-fn shell_with(node: Value) -> Vec<u8> {
+pub fn shell_with(node: Value) -> Vec<u8> {
     let text = std::fs::read(root().join("graphs/shell-256/shell-256.tenon.json")).unwrap();
     let mut graph: Value = serde_json::from_slice(&text).unwrap();
     graph["nodes"]["more"] = node;
@@ -175,9 +175,27 @@ fn a_graph_says_which_plugins_it_needs() {
     folder.tenon(&["check", "g.tenon.json", "--plugin", hinges()]).code(0);
     let without = folder.tenon(&["check", "g.tenon.json"]).code(1);
     without.says(&["missing-plugin", "hinges", "--plugin LIBRARY"]);
-    folder.tenon(&["run", "g.tenon.json"]).code(2).says(&["missing-plugin", "hinges"]);
+    // The rest of the graph is evaluated, and the node says what to install.
+    let before = folder.read("g.tenon.json");
+    let ended = folder.tenon(&["run", "g.tenon.json", "--get", "thicken.panels", "--json"]).code(1);
+    let report = ended.json();
+    assert!(!report["values"]["thicken.panels"].is_null());
+    let of = |code: &str| report["diagnostics"].as_array().unwrap().iter().find(|d| d["code"] == code).cloned();
+    assert!(of("missing-plugin").unwrap()["hint"].as_str().unwrap().contains("--plugin LIBRARY"));
+    let ended = folder.tenon(&["run", "g.tenon.json", "--out", "out"]).code(1);
+    ended.says(&["unknown-node", "at more", "needs the plugin hinges >=1, <2", "--plugin LIBRARY", "blocked"]);
+    folder.tenon(&["run", "g.tenon.json", "--get", "more.count"]).code(2).says(&["--plugin LIBRARY"]);
+    folder.tenon(&["fmt", "g.tenon.json"]).code(0);
+    let again: Value = serde_json::from_str(&folder.read("g.tenon.json")).unwrap();
+    let before: Value = serde_json::from_str(&before).unwrap();
+    assert_eq!(
+        (&again["nodes"]["more"]["inputs"], &again["requires"]),
+        (&before["nodes"]["more"]["inputs"], &before["requires"])
+    );
+    assert_eq!(again["nodes"].as_object().unwrap().len(), before["nodes"].as_object().unwrap().len());
+    // One of another version is as good as none.
     folder.write("g.tenon.json", requires(">=2"));
-    folder.tenon(&["check", "g.tenon.json", "--plugin", hinges()]).code(1).says(&["hinges >=2", "1.0.0"]);
+    folder.tenon(&["check", "g.tenon.json", "--plugin", hinges()]).code(1).says(&["hinges >=2", "1.0.0", "at more"]);
     folder.write("g.tenon.json", requires("new"));
     folder.tenon(&["check", "g.tenon.json", "--plugin", hinges()]).code(1).says(&["range of versions"]);
 }
@@ -246,7 +264,7 @@ fn the_examples_pass_every_check() {
 #[test]
 fn a_plugin_that_misbehaves_fails_the_checks_that_it_should() {
     let source = root().join("plugin-sdk/examples/misbehaving-c/misbehaving.c");
-    let found = failed(&Folder::new(), &compile(&source, "misbehaving", &[]), 1);
+    let found = failed(&Folder::new(), &compile(&source, "misbehaving", &["-pthread"]), 1);
     // What the comments in the source name.
     let text = std::fs::read_to_string(source).unwrap();
     let comments = text.lines().filter_map(|l| l.strip_prefix("/* ")?.strip_suffix(" */"));

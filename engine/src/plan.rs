@@ -103,7 +103,7 @@ impl Plan {
             formulas: BTreeMap::new(),
             instances: BTreeMap::new(),
             strangers: Vec::new(),
-            general: Vec::new(),
+            general: registry.absent().values().cloned().collect(),
         };
         plan.place_nodes(&flat, registry);
         plan.connect(&flat, registry);
@@ -163,7 +163,11 @@ impl Plan {
             } else if let Some(problem) = &at.problem {
                 self.error(n, None, Diagnostic::clone(problem));
             } else {
-                let hint = did_you_mean(&node.type_name, registry.iter().map(|t| &*t.type_name));
+                let absent = node.type_name.split_once('.').and_then(|(prefix, _)| registry.absent().get(prefix));
+                let hint = match absent {
+                    Some(why) => Some(format!("{}: {}", why.message, why.hint.as_deref().unwrap_or_default())),
+                    None => did_you_mean(&node.type_name, registry.iter().map(|t| &*t.type_name)),
+                };
                 let message = format!("no node type is called \"{}\"", node.type_name);
                 self.error(n, None, Diagnostic::error("unknown-node", message).at(id).maybe_hint(hint));
             }

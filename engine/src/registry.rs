@@ -1,7 +1,7 @@
 //! Node types and the registry: which nodes, item types and conversions there are.
 
 use crate::call::Call;
-use crate::diagnostic::Fail;
+use crate::diagnostic::{Diagnostic, Fail};
 use crate::port::{ItemType, Port};
 use crate::value::{Column, Digester, File, Item, Json, Text, Tree};
 use std::any::TypeId;
@@ -293,6 +293,8 @@ pub struct Registry {
     /// By node type and the version that it starts from.
     migrations: BTreeMap<Arc<str>, BTreeMap<u32, Migration>>,
     conversion_names: BTreeSet<Conversion>,
+    /// What is not there, by what names of its node types begin with before their dot.
+    absent: BTreeMap<String, Diagnostic>,
 }
 
 impl Registry {
@@ -424,6 +426,17 @@ impl Registry {
     /// among the tests.
     pub fn migrations(&self) -> impl Iterator<Item = (&str, u32)> {
         self.migrations.iter().flat_map(|(name, steps)| steps.keys().map(move |from| (&**name, *from)))
+    }
+
+    /// Says why node types whose names begin with `prefix` and a dot are not there. Every graph that is validated or
+    /// evaluated is told, and nodes of such types pass on the hint.
+    pub fn register_absent(&mut self, prefix: impl Into<String>, why: Diagnostic) {
+        self.absent.insert(prefix.into(), why);
+    }
+
+    /// What is not there, by prefix.
+    pub(crate) fn absent(&self) -> &BTreeMap<String, Diagnostic> {
+        &self.absent
     }
 
     /// The node type of that name.

@@ -92,7 +92,7 @@ fn build(registry: Option<&Registry>) -> Json {
             "format": { "const": "tenon" },
             "version": { "const": 1 },
             "units": { "const": "mm" },
-            "requires": { "type": "object", "description": "Plugins that the graph needs." },
+            "requires": requires(),
             "interface": { "$ref": "#/$defs/interface" },
             "nodes": { "$ref": "#/$defs/nodes" },
             "groups": { "type": "object", "description": "Named groups of nodes." },
@@ -104,6 +104,40 @@ fn build(registry: Option<&Registry>) -> Json {
             "x": { "description": "Data of other programs, kept byte for byte." },
         },
         "$defs": defs,
+    })
+}
+
+/// Plugins by id.
+fn requires() -> Json {
+    json!({
+        "description": "Plugins that the graph needs, by id.",
+        "type": "object",
+        "additionalProperties": {
+            "anyOf": [
+                { "type": "string", "description": "Range of versions, such as \">=1.2, <2\"." },
+                {
+                    "type": "object",
+                    "properties": {
+                        "version": { "type": "string", "description": "Range of versions." },
+                        "isolation": {
+                            "enum": ["process", "none"],
+                            "description": "Whether it runs in a process of its own.",
+                        },
+                        "timeout_s": {
+                            "type": "number",
+                            "exclusiveMinimum": 0,
+                            "description": "Longest time without an answer or progress in a process of its own, s.",
+                        },
+                        "memory_mib": {
+                            "type": "number",
+                            "exclusiveMinimum": 0,
+                            "description": "The most memory that it may take in a process of its own, MiB.",
+                        },
+                    },
+                    "additionalProperties": false,
+                },
+            ],
+        },
     })
 }
 
@@ -130,7 +164,7 @@ fn cluster() -> Json {
         "else": {
             "description": "A cluster that stands in this file.",
             "properties": {
-                "requires": { "type": "object" },
+                "requires": requires(),
                 "interface": { "$ref": "#/$defs/interface" },
                 "nodes": { "$ref": "#/$defs/nodes" },
                 "groups": { "type": "object", "description": "Named groups of nodes." },

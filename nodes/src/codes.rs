@@ -209,6 +209,11 @@ pub const CODES: &[Code] = &[
         "The message gives both sizes; take larger boards, or make smaller panels.",
     ),
     code(
+        "plugin-died",
+        "A plugin's own process ended in the midst of an evaluation, or did not answer in time.",
+        "The message says how it ended; tell its maker. The next evaluation starts it anew.",
+    ),
+    code(
         "plugin-fault",
         "A plugin breaks its contract; the message says how.",
         "Tell its maker; tenon plugin check shows what is wrong.",

@@ -72,6 +72,23 @@ impl Buffers {
     }
 }
 
+/// Bytes of one element of a buffer; `None`: there is no such element.
+#[cfg(feature = "host")]
+pub(crate) fn element_size(element: tenon_element) -> Option<u64> {
+    let size = match element {
+        TENON_U8 => 1,
+        TENON_U32 => 4,
+        TENON_I64 | TENON_F64 => 8,
+        TENON_VEC3 => size_of::<tenon_vec3>(),
+        TENON_VEC4 => size_of::<tenon_vec4>(),
+        TENON_PLANES => size_of::<tenon_plane>(),
+        TENON_EDGE_REFS => size_of::<tenon_edge>(),
+        TENON_ADDRESSES => size_of::<tenon_address>(),
+        _ => return None,
+    };
+    Some(size as u64)
+}
+
 /// Element types of buffers.
 trait Element: Pod {
     fn take(buffer: Buffer) -> Result<Vec<Self>, Buffer>;

@@ -2,9 +2,11 @@
 //!
 //! The C types in [`abi`] are the contract; `include/*.h` is generated from them. [`value`] is the same without pointers,
 //! for safe code on either side. [`author`] makes plugins in Rust, [`load`] (feature `host`) loads plugins of any
-//! language, [`check`] tests them.
+//! language, [`apart`] gives them processes of their own, [`check`] tests them.
 
 pub mod abi;
+#[cfg(feature = "host")]
+pub mod apart;
 pub mod author;
 #[cfg(feature = "host")]
 pub mod check;

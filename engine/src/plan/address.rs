@@ -94,7 +94,8 @@ impl Plan {
                 return Err(why.clone());
             }
             let message = format!("the type of node \"{id}\" is not known");
-            return Err(Diagnostic::error("unknown-node", message).at(id));
+            let hint = self.errors(n).find_map(|d| d.hint.as_deref()).map(str::to_owned);
+            return Err(Diagnostic::error("unknown-node", message).at(id).maybe_hint(hint));
         };
         Ok((n, t, port.to_owned()))
     }

@@ -3,13 +3,15 @@
 mod fastener;
 mod node;
 mod search;
+mod wanted;
 
 pub use search::{Found, VARIABLE, folders, load_all, user_folder};
 use std::path::Path;
 use std::sync::Arc;
 use tenon_engine::{Registry, RegistryError};
-pub use tenon_plugin::check;
 pub use tenon_plugin::load::{LoadError, Plugin};
+pub use tenon_plugin::{apart, check};
+pub use wanted::{HOST, POLICY, Wanted};
 
 /// Why a plugin's nodes are not there.
 #[derive(Debug, thiserror::Error)]

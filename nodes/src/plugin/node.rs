@@ -168,7 +168,7 @@ pub(super) fn evaluate(
         let _one = told.lock().unwrap_or_else(PoisonError::into_inner);
         let _ = monitor.progress(fraction);
     };
-    let watch = Watch { cancelled: &|| monitor.cancelled(), progress: &progress, refuse_buffer: None };
+    let watch = Watch { cancelled: &|| monitor.cancelled(), progress: &progress, refuse_buffer: None, room: None };
     let ended = node.evaluate(inputs, watch, sink);
     let mut last = None;
     for message in sink.messages.drain(..) {
@@ -190,6 +190,10 @@ pub(super) fn evaluate(
         Err(EvaluateError::Fault(why)) => {
             last.into_iter().for_each(|f| c.report(f));
             Err(fault(node, &why))
+        }
+        Err(EvaluateError::Died(why)) => {
+            Err(Fail::new("plugin-died", format!("the plugin node \"{}\" died: {why}", node.id))
+                .hint("the next evaluation starts it anew; `tenon plugin check` may find the fault"))
         }
     }
 }

@@ -1,12 +1,12 @@
 //! Where plugins are looked for, and what a graph that names plugins lacks. Nothing is ever loaded from the working
 //! directory unless it is named.
 
-use super::{Plugin, PluginError, load};
-use std::collections::BTreeMap;
+use super::wanted::Need;
+use super::{Plugin, PluginError, Wanted, register};
 use std::env;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tenon_engine::{Diagnostic, Json, Registry};
+use tenon_engine::{Diagnostic, Registry};
 
 /// The variable that names folders with plugins.
 pub const VARIABLE: &str = "TENON_PLUGIN_PATH";
@@ -38,29 +38,38 @@ pub fn folders() -> Vec<PathBuf> {
 pub struct Found {
     /// Plugins whose nodes are registered.
     pub plugins: Vec<Arc<Plugin>>,
+    /// Plugins of versions that the graph does not take; nothing of them is registered.
+    pub unfit: Vec<Arc<Plugin>>,
     /// Libraries in folders that were refused; nothing of them is registered.
     pub refused: Vec<PluginError>,
 }
 
-/// Loads the named libraries and those in folders, in order. The first of an id wins.
+/// Loads the named libraries and those in folders, in order. The first of an id wins. What is wanted and not there is told
+/// by the registry from then on: nodes of missing plugins say what to install.
 ///
 /// # Errors
 /// If a named library is refused; those in folders are only told.
-pub fn load_all(registry: &mut Registry, named: &[PathBuf], folders: &[PathBuf]) -> Result<Found, PluginError> {
+pub fn load_all(
+    registry: &mut Registry,
+    named: &[PathBuf],
+    folders: &[PathBuf],
+    wanted: &Wanted,
+) -> Result<Found, PluginError> {
     let mut found = Found::default();
     for path in named {
         if !found.has(path) {
-            found.plugins.push(load(registry, path)?);
+            found.load(registry, path, wanted)?;
         }
     }
     for path in folders.iter().flat_map(|folder| libraries(folder)) {
-        if found.has(&path) {
-            continue;
+        if !found.has(&path)
+            && let Err(why) = found.load(registry, &path, wanted)
+        {
+            found.refused.push(why);
         }
-        match load(registry, &path) {
-            Ok(plugin) => found.plugins.push(plugin),
-            Err(why) => found.refused.push(why),
-        }
+    }
+    for diagnostic in found.missing(wanted) {
+        registry.register_absent(diagnostic.0, diagnostic.1);
     }
     Ok(found)
 }
@@ -76,34 +85,54 @@ fn libraries(folder: &Path) -> Vec<PathBuf> {
 
 impl Found {
     fn has(&self, path: &Path) -> bool {
-        path.canonicalize().is_ok_and(|path| self.plugins.iter().any(|p| p.path == path))
+        path.canonicalize().is_ok_and(|path| self.plugins.iter().chain(&self.unfit).any(|p| p.path == path))
     }
 
-    /// What a graph's `requires` (plugin id to version range, such as `">=1.2, <2"`) asks for and is not there.
+    fn load(&mut self, registry: &mut Registry, path: &Path, wanted: &Wanted) -> Result<(), PluginError> {
+        let plugin = Arc::new(wanted.load(path)?);
+        match wanted.needs.get(&plugin.id) {
+            Some(Ok(need)) if !fits(need, &plugin) => self.unfit.push(plugin),
+            _ => {
+                register(registry, &plugin)?;
+                self.plugins.push(plugin);
+            }
+        }
+        Ok(())
+    }
+
+    /// What is wanted and not there, by plugin id, with what would help.
     #[must_use]
-    pub fn missing(&self, requires: &BTreeMap<String, Json>) -> Vec<Diagnostic> {
-        requires.iter().filter_map(|(id, range)| self.lacks(id, range)).collect()
+    pub fn missing(&self, wanted: &Wanted) -> Vec<(String, Diagnostic)> {
+        let lacks = |(id, need): (&String, _)| Some((id.clone(), self.lacks(id, need)?));
+        wanted.needs.iter().filter_map(lacks).collect()
     }
 
-    fn lacks(&self, id: &str, range: &Json) -> Option<Diagnostic> {
+    fn lacks(&self, id: &str, need: &Result<Need, String>) -> Option<Diagnostic> {
         let wrong = |message: String| Some(Diagnostic::error("missing-plugin", message));
-        let Some(wanted) = range.as_str().and_then(|r| semver::VersionReq::parse(r).ok()) else {
-            return wrong(format!("requires: {range} is no range of versions for the plugin {id}"))
-                .map(|d| d.hint("write it like \">=1.2, <2\""));
+        let need = match need {
+            Ok(need) => need,
+            Err(why) => {
+                return wrong(format!("requires: what it says of the plugin {id} cannot be read: {why}"))
+                    .map(|d| d.hint("write it like \">=1.2, <2\""));
+            }
         };
-        let Some(plugin) = self.plugins.iter().find(|p| p.id == id) else {
-            let refused = self.refused.iter().map(ToString::to_string).find(|r| r.contains(id));
-            let place =
-                user_folder().map_or_else(String::new, |f| format!("put its library into {}, or ", f.display()));
-            let hint = refused.unwrap_or_else(|| format!("{place}name it with --plugin LIBRARY"));
-            return wrong(format!("the graph needs the plugin {id} {wanted}, which is not there"))
-                .map(|d| d.hint(hint));
-        };
-        let version = semver::Version::parse(&plugin.version).ok();
-        if version.is_some_and(|v| wanted.matches(&v)) {
+        if self.plugins.iter().any(|p| p.id == id && fits(need, p)) {
             return None;
         }
-        let message = format!("the graph needs the plugin {id} {wanted}; what is there is {}", plugin.version);
-        wrong(message).map(|d| d.hint(format!("replace {}", plugin.path.display())))
+        let wanted = &need.version;
+        if let Some(plugin) = self.unfit.iter().chain(&self.plugins).find(|p| p.id == id) {
+            let message = format!("the graph needs the plugin {id} {wanted}; what is there is {}", plugin.version);
+            return wrong(message).map(|d| d.hint(format!("replace {}", plugin.path.display())));
+        }
+        let refused = self.refused.iter().map(ToString::to_string).find(|r| r.contains(id));
+        let place = user_folder().map_or_else(String::new, |f| format!("put its library into {}, or ", f.display()));
+        let hint = refused.unwrap_or_else(|| format!("{place}name it with --plugin LIBRARY"));
+        wrong(format!("the graph needs the plugin {id} {wanted}, which is not there")).map(|d| d.hint(hint))
     }
+}
+
+fn fits(need: &Need, plugin: &Plugin) -> bool {
+    // A graph that asks for no version takes versions that are none, too.
+    need.version == semver::VersionReq::STAR
+        || semver::Version::parse(&plugin.version).is_ok_and(|v| need.version.matches(&v))
 }

@@ -1,6 +1,9 @@
 /* What a plugin must not do, one node type per misdeed, so that `tenon plugin check` has something to find. Each node has
    one input "x" and one output "y", and the comment before it names the checks that it fails. */
+#define _DEFAULT_SOURCE
 #include "tenon_plugin.h"
+#include <pthread.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -101,16 +104,62 @@ EVALUATE(fragile) {
     if (number(in) > 1e100) *(volatile int *)(uintptr_t)8 = 1;
     return give(call, number(in));
 }
+/* keeps-quiet-afterwards */
+static void *haunt(void *call) {
+    usleep(20000);
+    ((const tenon_call *)call)->cancelled(call);
+    return NULL;
+}
+EVALUATE(haunting) {
+    pthread_t thread;
+    UNUSED;
+    if (pthread_create(&thread, NULL, haunt, (void *)(uintptr_t)call) == 0) pthread_detach(thread);
+    return give(call, number(in));
+}
+/* No check: it waits for numbers that checks do not try, and is there for processes of their own to contain. */
+static void *tell_elsewhere(void *call) {
+    tenon_message message = {sizeof message, TENON_NOTE, TEXT("elsewhere"), TEXT("Hello."), {NULL, 0}, {NULL, 0}, 0};
+    ((const tenon_call *)call)->tell(call, &message);
+    return NULL;
+}
+EVALUATE(doomed) {
+    double x = number(in);
+    pthread_t thread;
+    UNUSED;
+    if (x == 101) *(volatile int *)(uintptr_t)8 = 1;
+    if (x == 102) abort();
+    while (x == 103) continue;
+    while (x == 104) {
+        /* Touched, so that it is taken. Nobody looks whether there is any, as usual. */
+        char *more = malloc(1 << 24);
+        memset(more, 1, 1 << 24);
+    }
+    if (x == 105) exit(3);
+    if (x == 106 && pthread_create(&thread, NULL, tell_elsewhere, (void *)(uintptr_t)call) == 0)
+        pthread_join(thread, NULL);
+    if (x == 107) {
+        close(3), close(4), close(5), close(6);
+        for (;;) pause();
+    }
+    while (x == 108 && !call->cancelled(call)) continue;
+    if (x == 108) return TENON_CANCELLED;
+    while (x == 109) call->progress(call, 0.5);
+    return give(call, x);
+}
+#ifndef LOADABLE
 /* node-docs, port-docs, defaults-are-accepted: see its description */
 EVALUATE(hasty) {
     UNUSED;
     return give(call, number(in));
 }
+#endif
 
 #define INPUT(doc, value)                                                                                                \
     {sizeof(tenon_port), TENON_RANGE, TENON_NUMBER, TENON_ITEM, TEXT("x"), TEXT(doc), TEXT(""), TEXT(value), 0, 10, NULL, 0}
 static const tenon_port inputs[] = {INPUT("A number.", "1")};
+#ifndef LOADABLE
 static const tenon_port careless[] = {INPUT("number", "11")};
+#endif
 static const tenon_port boundless[] = {
     {sizeof(tenon_port), 0, TENON_NUMBER, TENON_ITEM, TEXT("x"), TEXT("A number."), TEXT(""), TEXT("1"), 0, 0, NULL, 0}};
 static const tenon_port outputs[] = {
@@ -133,7 +182,11 @@ static const tenon_node_type nodes[] = {
     TYPE(mumbler, "Says nothing that helps.", inputs),
     TYPE(trusting, "Takes memory for granted.", inputs),
     TYPE(fragile, "Crashes.", boundless),
+    TYPE(haunting, "Calls back when it is too late.", inputs),
+    TYPE(doomed, "Dies by some numbers.", boundless),
+#ifndef LOADABLE /* A graph's host refuses the whole library for its default. */
     TYPE(hasty, "no sentence", careless),
+#endif
 };
 
 /* version */

@@ -143,7 +143,7 @@ fn run_with(node: &PluginNode, inputs: &Inputs, wish: Wish) -> Ran {
             all.push(fraction);
         }
     };
-    let watch = Watch { cancelled: &cancelled, progress: &hear, refuse_buffer: wish.refuse_buffer };
+    let watch = Watch { cancelled: &cancelled, progress: &hear, refuse_buffer: wish.refuse_buffer, room: None };
     let start = Instant::now();
     let end = node.evaluate(inputs, watch, &mut sink);
     let time = start.elapsed();

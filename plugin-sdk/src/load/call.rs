@@ -1,13 +1,14 @@
 //! One evaluation: what the plugin is given to call back with, and where its answers go.
 
-use super::PluginNode;
+use super::{Body, PluginNode};
 use crate::abi::plugin::*;
 use crate::abi::value::*;
-use crate::from_c::{Buffers, Reader, text};
+use crate::from_c::{Buffers, Reader, element_size, text};
 use crate::sound::BadValue;
 use crate::to_c::CTree;
 use crate::value::Branch;
 use std::ffi::c_void;
+use std::ptr::NonNull;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread::ThreadId;
@@ -54,6 +55,8 @@ pub struct Watch<'a> {
     pub progress: &'a (dyn Fn(f64) + Sync),
     /// The buffer that is refused as if there were no memory, from 0; for tests of plugins.
     pub refuse_buffer: Option<u64>,
+    /// Where buffers are made, by their bytes, zeroed and aligned to 8; none: they are the host's own.
+    pub room: Option<&'a dyn Fn(u64) -> Option<NonNull<u8>>>,
 }
 
 /// How an evaluation ended otherwise than well.
@@ -65,6 +68,8 @@ pub enum EvaluateError {
     Failed,
     /// The plugin breaks the contract.
     Fault(String),
+    /// The plugin's own process ended, or had to be ended.
+    Died(String),
 }
 
 /// One evaluation, as the callbacks see it.
@@ -226,7 +231,14 @@ unsafe extern "C" fn buffer(call: *const tenon_call, element: tenon_element, cou
     let Some(slot) = (unsafe { slot(call) }) else { return std::ptr::null_mut() };
     slot.with(std::ptr::null_mut(), true, |r| {
         r.asked += 1;
-        if r.watch.refuse_buffer == Some(r.asked - 1) { std::ptr::null_mut() } else { r.buffers.make(element, count) }
+        match r.watch.room {
+            _ if r.watch.refuse_buffer == Some(r.asked - 1) => std::ptr::null_mut(),
+            Some(room) => {
+                let bytes = element_size(element).and_then(|size| size.checked_mul(count.max(1)));
+                bytes.and_then(room).map_or(std::ptr::null_mut(), |place| place.as_ptr().cast())
+            }
+            None => r.buffers.make(element, count),
+        }
     })
 }
 
@@ -270,6 +282,10 @@ impl PluginNode {
         watch: Watch<'_>,
         sink: &mut dyn Sink,
     ) -> Result<(), EvaluateError> {
+        let (evaluate, data) = match &self.body {
+            Body::Here { evaluate, data } => (*evaluate, *data),
+            Body::Apart(processes, index) => return processes.evaluate(*index, inputs, watch, sink),
+        };
         let views: Vec<CTree<'_>> = inputs.iter().map(|branches| CTree::new(branches)).collect();
         let trees: Vec<tenon_tree> = views.iter().map(CTree::get).collect();
         let mut running = Running {
@@ -285,7 +301,7 @@ impl PluginNode {
         *slot.running.lock().unwrap_or_else(PoisonError::into_inner) = (&raw mut running).cast();
         // SAFETY: the plugin was loaded and never goes; inputs and call live through the call; it does not unwind, says
         // the contract.
-        let status = unsafe { (self.evaluate)(self.data, &raw const slot.call, trees.as_ptr(), trees.len() as u32) };
+        let status = unsafe { evaluate(data, &raw const slot.call, trees.as_ptr(), trees.len() as u32) };
         *slot.running.lock().unwrap_or_else(PoisonError::into_inner) = std::ptr::null_mut();
         FREE.lock().unwrap_or_else(PoisonError::into_inner).push(slot);
         match (status, running.fault) {

@@ -1,6 +1,6 @@
 //! What a plugin says of itself: its descriptors, checked and read into values of our own.
 
-use super::{LoadFault, Plugin, PluginNode, PortInfo};
+use super::{Body, LoadFault, NodeInfo, Plugin, PluginNode, PortInfo};
 use crate::abi::plugin::*;
 use crate::abi::value::*;
 use crate::from_c::text;
@@ -135,7 +135,7 @@ impl Descriptors {
         if name.is_empty() || doc.is_empty() {
             return Err(self.fault("it has no name or no doc"));
         }
-        Ok(PluginNode {
+        let info = NodeInfo {
             id,
             version: n.version,
             name,
@@ -146,9 +146,8 @@ impl Descriptors {
             outputs,
             slow: n.flags & TENON_SLOW != 0,
             fastener,
-            evaluate,
-            data: n.data,
-        })
+        };
+        Ok(PluginNode { info, body: Body::Here { evaluate, data: n.data } })
     }
 }
 

@@ -8,8 +8,11 @@ pub use call::{EvaluateError, Message, Sink, Watch, late_calls};
 
 use crate::abi::plugin::*;
 use crate::abi::value::*;
+use crate::apart::Processes;
 use std::ffi::c_void;
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Why a plugin was not loaded.
 #[derive(Debug, thiserror::Error)]
@@ -42,6 +45,9 @@ pub enum LoadFault {
         /// Its major version.
         found: u32,
     },
+    /// Its process does not do what it should.
+    #[error("{0}")]
+    Process(String),
     /// A descriptor is wrong.
     #[error("{place}: {why}")]
     Descriptor {
@@ -75,9 +81,9 @@ pub struct PortInfo {
     pub optional: bool,
 }
 
-/// A node type of a plugin.
+/// What a node type of a plugin says of itself.
 #[derive(Debug)]
-pub struct PluginNode {
+pub struct NodeInfo {
     /// Name in graph files.
     pub id: String,
     /// Version.
@@ -98,14 +104,47 @@ pub struct PluginNode {
     pub slow: bool,
     /// The host makes the node around it.
     pub fastener: bool,
-    evaluate: unsafe extern "C" fn(*mut c_void, *const tenon_call, *const tenon_tree, u32) -> tenon_status,
-    data: *mut c_void,
 }
 
+/// A node type of a plugin: its description, and where it is evaluated.
+#[derive(Debug)]
+pub struct PluginNode {
+    info: NodeInfo,
+    body: Body,
+}
+
+impl Deref for PluginNode {
+    type Target = NodeInfo;
+    fn deref(&self) -> &NodeInfo {
+        &self.info
+    }
+}
+
+/// Where a node is evaluated.
+#[derive(Debug)]
+enum Body {
+    /// In this process.
+    Here { evaluate: Evaluate, data: *mut c_void },
+    /// In a process of its own, as the node of that index.
+    Apart(Arc<Processes>, u32),
+}
+
+type Evaluate = unsafe extern "C" fn(*mut c_void, *const tenon_call, *const tenon_tree, u32) -> tenon_status;
+
 // SAFETY: the contract asks that `data` may be used by many threads at once.
-unsafe impl Send for PluginNode {}
+unsafe impl Send for Body {}
 // SAFETY: see above.
-unsafe impl Sync for PluginNode {}
+unsafe impl Sync for Body {}
+
+/// What a plugin says of itself, as it comes from another process.
+#[cfg(target_os = "linux")]
+pub(crate) struct PluginInfo {
+    pub id: String,
+    pub version: String,
+    pub vendor: String,
+    pub doc: String,
+    pub nodes: Vec<NodeInfo>,
+}
 
 /// A loaded plugin.
 #[derive(Debug)]
@@ -125,6 +164,14 @@ pub struct Plugin {
 }
 
 impl Plugin {
+    /// A plugin that is evaluated in processes of its own.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn apart(path: PathBuf, info: PluginInfo, processes: &Arc<Processes>) -> Self {
+        let PluginInfo { id, version, vendor, doc, nodes } = info;
+        let nodes = (0..).zip(nodes).map(|(i, info)| PluginNode { info, body: Body::Apart(processes.clone(), i) });
+        Self { path, id, version, vendor, doc, nodes: nodes.collect() }
+    }
+
     /// Loads a library and reads what it says of itself. Its initialisers run; nothing is evaluated.
     ///
     /// # Errors
