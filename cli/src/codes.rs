@@ -38,7 +38,6 @@ pub const CODES: &[Code] = &[
     ),
     code("not-recorded", "The graph has errors, so nothing was recorded.", "Mend them first."),
     code("not-tested", "Some of the graphs could not be tested.", "Their reasons stand above it."),
-    code("same-file-name", "Two nodes make files of the same name.", "Give one of them another name."),
     code("set", "An input cannot have the value that --set gives it.", "The reason below it says what it takes."),
     code(
         "stale-plan",
@@ -64,7 +63,6 @@ pub const CODES: &[Code] = &[
         "The message says which.",
     ),
     code("vary", "The values of --vary cannot be used.", "Write NAME=a,b,c or NAME=start:end:count."),
-    code("which-graph", "The folder holds no graph, or several.", "Name the file."),
     code(
         "withheld",
         "A program failed its proof or has none, so it was written as .unproven.",

@@ -8,13 +8,10 @@ mod cache;
 mod check;
 mod codes;
 mod explain;
-mod files;
 mod fmt;
-mod graph;
 mod inspect;
 mod interrupt;
 mod nodes;
-mod output;
 mod plugin_check;
 mod plugin_new;
 mod plugins;
@@ -29,6 +26,7 @@ mod words;
 use args::{Command, CommandLine, RunArgs};
 use clap::Parser;
 use std::process::ExitCode;
+use tenon_nodes::host::{graph, made as files, output};
 use words::{Voice, Wrong};
 
 #[global_allocator]

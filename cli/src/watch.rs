@@ -50,7 +50,7 @@ pub fn watch(args: &WatchArgs) -> Result<End, Wrong> {
     while !stop.load(Ordering::SeqCst) {
         if of_graph.has_changed(&file) {
             live.lock(true);
-            match graph::load(&file).and_then(|(_, document)| update(&mut live, document, &sets)) {
+            match graph::load(&file).map_err(Wrong::from).and_then(|(_, document)| update(&mut live, document, &sets)) {
                 Ok(()) => voice.say(&format!("{} has changed", file.display())),
                 // It may be under way to something better.
                 Err(wrong) => voice.wrong(&wrong),

@@ -49,7 +49,17 @@ impl Wrong {
 
 impl From<crate::output::WriteError> for Wrong {
     fn from(error: crate::output::WriteError) -> Self {
-        Self::new("unwritable", error.to_string())
+        Self::new(error.code(), error.to_string())
+    }
+}
+
+impl From<crate::graph::GraphError> for Wrong {
+    fn from(error: crate::graph::GraphError) -> Self {
+        let wrong = Self { hint: error.hint(), ..Self::new(error.code(), error.to_string()) };
+        match error {
+            crate::graph::GraphError::NotAGraph { because, .. } => wrong.because(because),
+            _ => wrong,
+        }
     }
 }
 

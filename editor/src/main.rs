@@ -1,20 +1,18 @@
-//! The desktop program: `tenon-editor [GRAPH]`.
+//! The desktop program: `tenon-editor [--plugin LIBRARY]... [GRAPH]`.
 
-use std::path::PathBuf;
 use std::process::ExitCode;
+use tenon_editor::Start;
 
 /// Evaluation frees and takes large blocks all the time.
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
-    let mut arguments = std::env::args_os().skip(1);
-    let graph = arguments.next().map(PathBuf::from);
-    if arguments.next().is_some() || graph.as_deref().is_some_and(|g| g.to_str().is_some_and(|g| g.starts_with('-'))) {
-        eprintln!("usage: tenon-editor [GRAPH]");
+    let Some(start) = Start::read(std::env::args_os().skip(1)) else {
+        eprintln!("usage: tenon-editor [--plugin LIBRARY]... [GRAPH]");
         return ExitCode::from(2);
-    }
-    match tenon_editor::run(graph) {
+    };
+    match tenon_editor::run(start) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("the window cannot be opened: {error}");

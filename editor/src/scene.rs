@@ -11,6 +11,9 @@ use tenon_nodes::value::{Point, V};
 /// Item types that can be seen in the viewport.
 pub const VISIBLE: [&str; 4] = ["panels", "mesh", "curve", "point"];
 
+/// Item types that are not shown where another node goes on with them: what follows is made of them.
+pub const YIELDS: [&str; 2] = ["mesh", "tool_paths"];
+
 /// A corner of a triangle.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]

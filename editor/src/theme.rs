@@ -10,6 +10,8 @@ pub struct Theme {
     pub canvas: Color32,
     /// Its points.
     pub grid: Color32,
+    /// Notes.
+    pub paper: Color32,
     /// Body of a node.
     pub node: Color32,
     /// Its edge.
@@ -45,6 +47,7 @@ pub struct Theme {
 const DARK: Theme = Theme {
     canvas: Color32::from_rgb(30, 32, 36),
     grid: Color32::from_rgb(58, 61, 68),
+    paper: Color32::from_rgb(86, 80, 52),
     node: Color32::from_rgb(48, 51, 58),
     edge: Color32::from_rgb(18, 19, 22),
     field: Color32::from_rgb(37, 39, 45),
@@ -65,6 +68,7 @@ const DARK: Theme = Theme {
 const LIGHT: Theme = Theme {
     canvas: Color32::from_rgb(232, 233, 235),
     grid: Color32::from_rgb(200, 202, 206),
+    paper: Color32::from_rgb(252, 244, 200),
     node: Color32::from_rgb(250, 250, 251),
     edge: Color32::from_rgb(140, 144, 152),
     field: Color32::from_rgb(234, 236, 240),

@@ -1,11 +1,11 @@
 //! Boards, player and tables of the shell.
 
-use crate::common::{Window, root};
+use crate::common::{Window, example};
 use tenon_editor::app::Side;
 
 #[test]
 fn the_boards_are_seen_and_the_tool_moves_through_them() {
-    let mut w = Window::open(Some(&root().join("graphs/shell-256")));
+    let mut w = Window::open(Some(&example("shell-256")));
     w.click(w.rect("Boards").center());
     assert_eq!(w.app().side, Side::Boards);
     assert_eq!(w.app().boards.count(), 3);
@@ -44,7 +44,7 @@ fn tenon_board(w: &Window) -> [f64; 2] {
 
 #[test]
 fn values_are_tables() {
-    let mut w = Window::open(Some(&root().join("graphs/shell-256")));
+    let mut w = Window::open(Some(&example("shell-256")));
     w.app().model.selection = ["arc".to_owned()].into();
     w.steps(1);
     w.click(w.rect("Data").center());

@@ -177,3 +177,152 @@ fn small_windows_work() {
     assert!(w.has("node a"));
     w.picture("small");
 }
+
+#[test]
+fn groups_are_named_coloured_and_moved_by_their_title() {
+    let mut w = Window::open(Some(&graph("groups", TWO)));
+    w.key(Modifiers::COMMAND, Key::A);
+    w.key(Modifiers::COMMAND, Key::G);
+    w.app().model.selection.clear();
+    w.app().canvas.show_all();
+    w.steps(2);
+    w.double_click(w.rect("group group 1").left_center() + vec2(20.0, 0.0));
+    w.key(Modifiers::COMMAND, Key::A);
+    w.type_text("Support");
+    w.key(Modifiers::NONE, Key::Enter);
+    let title = w.rect("group Support").left_center() + vec2(20.0, 0.0);
+    w.click_with(title, PointerButton::Secondary, Modifiers::NONE);
+    let colour = w.harness.get_by_label_contains("Colour").rect();
+    w.click(colour.center());
+    w.steps(5);
+    w.click(w.rect("Green").center());
+    let group = w.app().model.document().groups["group 1"].clone();
+    assert_eq!(group["colour"], "#78be5a");
+    assert_eq!(group["title"], "Support");
+    let place = |w: &Window| w.harness.state().model.document().position("p").unwrap();
+    let before = place(&w);
+    w.drag(title, title + vec2(60.0, 40.0));
+    let (zoom, after) = (f64::from(w.app().canvas.view.zoom), place(&w));
+    assert!((after[0] - before[0] - 60.0 / zoom).abs() < 11.0 && after[1] > before[1], "{before:?} {after:?}");
+    w.picture("group-colour");
+    let text = w.text();
+    for _ in 0..4 {
+        w.key(Modifiers::COMMAND, Key::Z);
+    }
+    assert!(w.app().model.document().groups.is_empty());
+    for _ in 0..4 {
+        w.key(Modifiers::COMMAND, Key::Y);
+    }
+    assert_eq!(w.text(), text);
+}
+
+#[test]
+fn notes_stand_on_the_canvas_and_say_what_was_typed() {
+    let mut w = Window::open(Some(&graph("note", TWO)));
+    w.click_with(empty(&w), PointerButton::Secondary, Modifiers::NONE);
+    w.click(w.rect("Write a note").center());
+    w.type_text("The arc spans 4.5 m.\nIts supports are level.");
+    w.key(Modifiers::COMMAND, Key::Enter);
+    assert_eq!(w.param("note", "text"), "\"The arc spans 4.5 m.\\nIts supports are level.\"");
+    w.settle();
+    assert_eq!(w.app().model.results.counts(), (0, 0), "{:?}", w.app().model.results.diagnostics);
+    w.picture("note");
+    w.double_click(w.rect("node note").center());
+    w.key(Modifiers::COMMAND, Key::A);
+    w.type_text("Shorter.");
+    w.click(empty(&w) + vec2(0.0, -200.0));
+    assert_eq!(w.param("note", "text"), "\"Shorter.\"");
+}
+
+#[test]
+fn wires_are_led_through_points_without_changing_a_result() {
+    let mut w = Window::open(Some(&graph("reroute", TWO)));
+    let header = w.rect("node p").center();
+    w.drag(header, header + vec2(200.0, 100.0));
+    w.drag(w.rect("output a.value").right_center(), w.rect("input p.x").left_center());
+    w.settle();
+    let value = |w: &Window| w.harness.state().model.results.values["p.point"].to_json();
+    let before = value(&w);
+    let (from, to) = (w.rect("output a.value").right_center(), w.rect("input p.x").left_center());
+    w.double_click(from + (to - from) / 2.0);
+    let document = w.app().model.document();
+    assert_eq!(document.nodes()["reroute"].inputs.get("value").unwrap().from.as_slice(), ["a.value"]);
+    assert_eq!(document.nodes()["p"].inputs.get("x").unwrap().from.as_slice(), ["reroute.value"]);
+    w.settle();
+    assert_eq!(value(&w), before);
+    // It is moved like a node, and its ends take wires.
+    let point = w.rect("node reroute").center();
+    w.drag(point, point + vec2(-60.0, -50.0));
+    w.drag(w.rect("output reroute.value").right_center(), w.rect("input p.y").left_center());
+    assert_eq!(w.app().model.document().nodes()["p"].inputs.get("y").unwrap().from.as_slice(), ["reroute.value"]);
+    w.settle();
+    w.picture("reroute");
+    assert_eq!(w.app().model.results.counts(), (0, 0), "{:?}", w.app().model.results.diagnostics);
+    // A wire is taken away by its menu.
+    let (a, b) = (w.rect("output reroute.value").right_center(), w.rect("input p.y").left_center());
+    let reach = vec2(((b.x - a.x).abs() * 0.5).max((b.y - a.y).abs() * 0.25).clamp(18.0, 240.0), 0.0);
+    let wire = [a, a + reach, b - reach, b];
+    let curve = eframe::egui::epaint::CubicBezierShape::from_points_stroke(
+        wire,
+        false,
+        Default::default(),
+        eframe::egui::Stroke::NONE,
+    );
+    w.click_with(curve.sample(0.7), PointerButton::Secondary, Modifiers::NONE);
+    w.click(w.rect("Remove it").center());
+    assert!(w.app().model.document().nodes()["p"].inputs.get("y").is_none_or(|i| i.from.is_empty()));
+}
+
+#[test]
+fn a_lasso_selects_what_it_goes_around() {
+    let mut w = Window::open(Some(&graph("lasso", TWO)));
+    let node = w.rect("node p");
+    let (a, b) = (node.left_top() - vec2(30.0, 40.0), node.right_bottom() + vec2(30.0, 140.0));
+    let alt = Modifiers { alt: true, ..Modifiers::NONE };
+    w.path_with(&[a, eframe::egui::pos2(b.x, a.y), b, eframe::egui::pos2(a.x, b.y)], alt);
+    assert_eq!(w.app().model.selection.iter().collect::<Vec<_>>(), ["p"]);
+}
+
+#[test]
+fn keys_switch_previews_and_states() {
+    let mut w = Window::open(Some(&graph("states", TWO)));
+    let state = |w: &Window| w.harness.state().model.document().nodes()["p"].state;
+    w.click(w.rect("node p").center());
+    w.key(Modifiers::COMMAND, Key::E);
+    assert_eq!(state(&w), NodeState::Disabled);
+    w.key(Modifiers::COMMAND, Key::E);
+    assert_eq!(state(&w), NodeState::On);
+    w.key(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::E);
+    assert_eq!(state(&w), NodeState::Frozen);
+    w.key(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::E);
+    w.settle();
+    assert!(w.app().model.results.drawings.contains_key("p.point"));
+    w.key(Modifiers::COMMAND, Key::Q);
+    w.settle();
+    assert!(!w.app().model.results.drawings.contains_key("p.point"));
+}
+
+#[test]
+fn points_at_an_input_are_edited_as_a_table() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": { "c": { "type": "ifs_curve", "v": 1, "params": { "points": [[0, 0, 0], [100, 50, 0]] } } }
+}"#;
+    let mut w = Window::open(Some(&graph("table", text)));
+    w.double_click(w.rect("input c.points").center());
+    w.click(w.rect("Add a row").center());
+    assert_eq!(w.param("c", "points"), "[[0,0,0],[100,50,0],[200,100,0]]");
+    let cell = w.rect("y of 3");
+    w.drag(cell.center(), cell.center() + vec2(30.0, 0.0));
+    let points: serde_json::Value = serde_json::from_str(&w.param("c", "points")).unwrap();
+    assert!(points[2][1].as_f64().unwrap() > 110.0, "{points}");
+    assert_eq!(w.app().model.steps().0, 2, "turning is one step");
+    let cell = w.rect("weight of 2");
+    w.drag(cell.center(), cell.center() + vec2(40.0, 0.0));
+    let weights: serde_json::Value = serde_json::from_str(&w.param("c", "weights")).unwrap();
+    assert!(weights[1].as_f64().unwrap() > 1.1 && weights[0] == 1, "{weights}");
+    w.picture("table");
+    w.settle();
+    assert_eq!(w.app().model.results.counts().0, 0, "{:?}", w.app().model.results.diagnostics);
+}

@@ -27,6 +27,39 @@ pub fn graph(name: &str, text: &str) -> PathBuf {
     path
 }
 
+/// A copy of an example graph with its inputs, so that nothing is left behind beside the example itself.
+pub fn example(name: &str) -> PathBuf {
+    fn copy(from: &Path, to: &Path) {
+        std::fs::create_dir_all(to).unwrap();
+        for entry in std::fs::read_dir(from).unwrap().map(|e| e.unwrap().path()) {
+            let to = to.join(entry.file_name().unwrap());
+            match entry.is_dir() {
+                true => copy(&entry, &to),
+                false => drop(std::fs::copy(&entry, &to).unwrap()),
+            }
+        }
+    }
+    static COUNT: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
+    let count = COUNT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    let to = folder(&format!("{name}-{count}"));
+    copy(&root().join("graphs").join(name), &to);
+    to
+}
+
+/// A file as the desktop lets it fall on a window.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl eframe::egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|e| e.to_string())
+    }
+}
+
 /// The window, 1280 × 800, with `graph` open and evaluated.
 pub struct Window {
     pub harness: Harness<'static, App>,
@@ -130,6 +163,22 @@ impl Window {
         self.steps(2);
     }
 
+    /// Presses at the first corner, moves through the others, lets go at the last.
+    pub fn path_with(&mut self, corners: &[Pos2], modifiers: Modifiers) {
+        let (Some(first), Some(last)) = (corners.first(), corners.last()) else { return };
+        self.hold(modifiers);
+        self.hover(*first);
+        self.button(*first, PointerButton::Primary, true, modifiers);
+        for pair in corners.windows(2) {
+            for i in 1..=8 {
+                self.hover(pair[0] + (pair[1] - pair[0]) * (i as f32 / 8.0));
+            }
+        }
+        self.button(*last, PointerButton::Primary, false, modifiers);
+        self.hold(Modifiers::NONE);
+        self.steps(2);
+    }
+
     pub fn key(&mut self, modifiers: Modifiers, key: Key) {
         self.harness.key_press_modifiers(modifiers, key);
         self.steps(2);
@@ -137,6 +186,12 @@ impl Window {
 
     pub fn type_text(&mut self, text: &str) {
         self.harness.event(Event::Text(text.to_owned()));
+        self.steps(2);
+    }
+
+    /// Lets a file fall on the window.
+    pub fn drop_file(&mut self, path: &Path) {
+        self.harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path.to_owned())));
         self.steps(2);
     }
 

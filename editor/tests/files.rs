@@ -1,6 +1,6 @@
 //! Opening, saving, and what must not be lost.
 
-use crate::common::{Window, folder, graph, root};
+use crate::common::{Window, example, folder, graph, root};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use tenon_engine::Operation;
@@ -36,6 +36,73 @@ fn a_file_that_is_no_graph_leaves_everything_as_it_was() {
     assert!(message.contains("was not opened") && message.contains("line 1"), "{message}");
     assert_eq!(std::fs::read_to_string(&bad).unwrap(), "{ \"format\": \"tenon\", ");
     assert_eq!(w.app().model.path(), None, "what could not be read is never written over");
+}
+
+#[test]
+fn of_a_broken_graph_what_can_be_read_is_opened_and_the_file_stays() {
+    let whole = std::fs::read_to_string(root().join("graphs/shell-256/shell-256.tenon.json")).unwrap();
+    let half = &whole[..whole.len() / 2];
+    let bad = graph("half", half);
+    let mut w = Window::open(Some(&bad));
+    assert!(w.app().model.document().nodes().contains_key("arc"), "{:?}", w.app().model.message);
+    let message = w.app().model.message.clone().unwrap();
+    assert!(message.message.contains("could be read"), "{}", message.message);
+    assert_eq!(w.app().model.path(), None);
+    assert!(w.app().model.unsaved(), "it is no file's content");
+    w.picture("salvaged");
+    w.key(Modifiers::COMMAND, Key::S);
+    assert!(w.has("Save the graph"), "a name is asked for");
+    assert_eq!(std::fs::read_to_string(&bad).unwrap(), half);
+}
+
+#[test]
+fn the_files_of_the_graph_are_written_as_the_command_line_writes_them() {
+    let mut w = Window::open(Some(&example("quad-mesh")));
+    let out = folder("export").join("out");
+    let said = w.app().model.export(&out).unwrap();
+    let written = std::fs::read_dir(&out).unwrap().count();
+    // The manifest stands beside them.
+    assert!(written > 2 && said.starts_with(&format!("{} files", written - 1)), "{said}, {written}");
+    for (_, file) in &w.app().model.results.files {
+        let name = out.join(&*file.name);
+        let name = if file.withheld.is_some() { name.with_added_extension("unproven") } else { name };
+        assert_eq!(std::fs::read(name).unwrap(), &*file.bytes);
+    }
+}
+
+#[test]
+fn a_mesh_that_is_dropped_becomes_a_node_that_reads_it() {
+    let mut w = Window::open(Some(&graph("drop-mesh", SMALL)));
+    let folder = w.app().model.path().unwrap().parent().unwrap().to_owned();
+    let mesh = folder.join("canopy.obj");
+    std::fs::copy(root().join("graphs/quad-mesh/canopy.obj"), &mesh).unwrap();
+    w.drop_file(&mesh);
+    assert_eq!(w.param("read_mesh", "path"), "\"canopy.obj\"");
+    w.settle();
+    assert!(w.app().model.results.drawings.contains_key("read_mesh.mesh"));
+}
+
+#[test]
+fn what_a_missing_plugin_would_bring_is_told_at_the_node() {
+    let text = r#"{
+  "format": "tenon",
+  "nodes": {
+    "fix": { "type": "cams.cam_connector", "v": 1, "params": { "distance": 200 } },
+    "n": { "type": "number", "v": 1 }
+  },
+  "requires": { "cams": ">=0.1" },
+  "version": 1
+}"#;
+    let mut w = Window::open(Some(&graph("missing", text)));
+    let told: Vec<String> = w.app().model.results.of_node("fix").map(|d| d.message.clone()).collect();
+    assert!(told.iter().any(|m| m.contains("plugin cams")), "{told:?}");
+    w.picture("missing-plugin");
+    // A library that is no plugin is refused, and everything stays.
+    let path = w.app().model.path().unwrap().with_file_name(format!("bad.{}", std::env::consts::DLL_EXTENSION));
+    std::fs::write(&path, "no library").unwrap();
+    w.drop_file(&path);
+    assert!(w.app().model.message.as_ref().unwrap().message.contains("bad."), "{:?}", w.app().model.message);
+    assert!(w.app().model.catalog.get("thicken").is_some());
 }
 
 /// Shows frames until something is so; at most a minute.

@@ -6,5 +6,4 @@ mod clusters;
 mod common;
 mod files;
 mod history;
-mod pictures;
 mod shell;

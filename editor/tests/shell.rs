@@ -1,6 +1,6 @@
 //! The shell of 256 panels: seen, moved by its control points and sliders, picked.
 
-use crate::common::{Window, root};
+use crate::common::{Window, example};
 use eframe::egui::{Modifiers, PointerButton, vec2};
 use tenon_editor::viewport::Measure;
 use tenon_engine::Json;
@@ -14,7 +14,7 @@ fn wooden(picture: &image::RgbaImage, area: eframe::egui::Rect) -> usize {
 
 #[test]
 fn the_shell_opens_is_seen_and_follows_the_hand() {
-    let mut w = Window::open(Some(&root().join("graphs/shell-256")));
+    let mut w = Window::open(Some(&example("shell-256")));
     assert_eq!(w.app().model.results.counts(), (0, 0), "{:?}", w.app().model.results.diagnostics);
     assert_eq!(w.app().model.results.drawings["thicken.panels"].parts.len(), 256);
     let viewport = w.rect("viewport");

@@ -118,7 +118,7 @@ pub fn check(bytes: &[u8]) {
     while !b.is_empty() && earlier.len() < 7 {
         let node = node(&mut b, &types, &earlier);
         let Some(t) = registry().get(&node.type_name) else { return };
-        let id = format!("n{}", earlier.len());
+        let id = format!("n{}", document.nodes().len());
         let added = Operation::AddNode { id: id.clone(), node: Box::new(node) }.apply(&mut document);
         added.unwrap_or_else(|e| panic!("{e}"));
         if !t.outputs().is_empty() {

@@ -234,6 +234,7 @@ pub const CODES: &[Code] = &[
         "The safe height is not above all that a tool must clear.",
         "Raise it in the machine's description; the message says to what.",
     ),
+    code("same-file-name", "Two nodes make files of the same name.", "Give one of them another name."),
     code(
         "scheme-wrong",
         "The columns of a custom scheme do not make a scheme.",
@@ -271,5 +272,6 @@ pub const CODES: &[Code] = &[
         "The message gives the line; this is a fault of the path: please report it.",
     ),
     code("weight-count", "There are not as many weights as points.", "Give one each, or none."),
+    code("which-graph", "The folder holds no graph, or several.", "Name the file."),
     code("zero-vector", "A direction is the zero vector.", "Give it a length; any but 0 will do."),
 ];

@@ -6,6 +6,7 @@ mod curve;
 pub mod disk;
 pub mod exchange;
 mod files;
+pub mod host;
 pub mod io;
 mod joint;
 mod machine;

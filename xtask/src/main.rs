@@ -30,9 +30,7 @@ fn main() -> ExitCode {
         ["bench", "cancel", cases @ ..] => bench::cancel::run(cases),
         ["bench-child", rest @ ..] => bench::growth::child(rest),
         ["picture"] => picture::write(),
-        ["screenshots"] => {
-            editor(&["test", "-p", "tenon-editor", "--test", "main", "--", "--ignored", "pictures_of_the_book"])
-        }
+        ["screenshots"] => editor(&["run", "-p", "tenon-editor", "--example", "screenshots"]),
         ["bench", "editor"] => editor(&["bench", "-p", "tenon-editor", "--bench", "editor"]),
         ["docs"] => docs::write().and_then(|()| codes::write()),
         ["docs", "--check"] => docs::check().and_then(|()| codes::check()),

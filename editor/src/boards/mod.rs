@@ -107,8 +107,8 @@ impl BoardView {
             if let Some(board) = draw.board_at(tenon_geometry::DVec2::new(f64::from(p.x), -f64::from(p.y))) {
                 self.player.choose(&self.plays, board);
             }
-            if let Some((id, _)) = picked.as_ref().and_then(|p| p.output.split_once('.')) {
-                model.selection = [id.to_owned()].into();
+            if let Some(id) = picked.as_ref().and_then(|p| model.local(&p.output)).map(str::to_owned) {
+                model.selection = [id].into();
             }
         }
         self.name_parts(ui, area, &draw);

@@ -4,10 +4,12 @@ use super::finder::Finder;
 use super::hit::Hit;
 use super::input::Typing;
 use super::paint::{Paint, Strands};
-use super::shape::{Row, Shape, Shapes};
-use super::{Canvas, view};
+use super::shape::{Kind, Row, Shape, Shapes};
+use super::{Canvas, groups, view};
 use crate::model::Model;
+use crate::model::catalog::PortInfo;
 use crate::model::param::{Slider, Widget, number, round_step};
+use crate::panels::table::{self, Table};
 use crate::theme;
 use eframe::egui::{Key, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui, Vec2, pos2};
 use tenon_engine::Operation;
@@ -49,6 +51,8 @@ pub enum Gesture {
     Pan,
     /// Draws a frame around nodes; from where, and what was selected before.
     Frame(Pos2, std::collections::BTreeSet<String>),
+    /// Draws a line around nodes; its corners, and what was selected before.
+    Lasso(Vec<Pos2>, std::collections::BTreeSet<String>),
     /// Moves the selected nodes by so much.
     Move(Vec2),
     /// Draws a wire.
@@ -103,6 +107,10 @@ impl Gesture {
                 let rect = p.view.rect_to_screen(p.area, Rect::from_two_pos(*from, pointer));
                 let fill = p.theme.selected.gamma_multiply(0.12);
                 p.painter.rect(rect, 0.0, fill, Stroke::new(1.0, p.theme.selected), StrokeKind::Inside);
+            }
+            Self::Lasso(line, _) => {
+                let line: Vec<Pos2> = line.iter().map(|c| p.view.to_screen(p.area, *c)).collect();
+                p.painter.add(eframe::egui::Shape::closed_line(line, Stroke::new(1.5, p.theme.selected)));
             }
             Self::Wire(end) => {
                 let Some(shape) = shapes.find(&end.node).map(|n| &shapes.nodes[n]) else { return };
@@ -160,6 +168,7 @@ impl Canvas {
                 self.choose(n, false, model);
             }
             self.menu_on = hit;
+            self.menu_at = response.interact_pointer_pos().unwrap_or(area.center());
         }
     }
 
@@ -179,11 +188,17 @@ impl Canvas {
     }
 
     fn begin(&mut self, ui: &Ui, area: Rect, at: Pos2, model: &mut Model) {
-        let (shift, ctrl) = ui.input(|i| (i.modifiers.shift, i.modifiers.command));
+        let (shift, ctrl, alt) = ui.input(|i| (i.modifiers.shift, i.modifiers.command, i.modifiers.alt));
         self.gesture = match self.hit(area, at, model) {
-            Hit::Nothing => {
+            Hit::Nothing | Hit::Wire(_) => {
                 let before = if shift { model.selection.clone() } else { Default::default() };
-                Gesture::Frame(self.view.to_canvas(area, at), before)
+                let from = self.view.to_canvas(area, at);
+                if alt { Gesture::Lasso(vec![from], before) } else { Gesture::Frame(from, before) }
+            }
+            Hit::Group(g) => {
+                let name = model.document().groups.keys().nth(g).cloned().unwrap_or_default();
+                model.selection = groups::members(model.document(), &name).map(str::to_owned).collect();
+                Gesture::Move(Vec2::ZERO)
             }
             Hit::Node(n) | Hit::More(n) => {
                 self.choose(n, false, model);
@@ -260,6 +275,15 @@ impl Canvas {
                 let inside = self.shapes.nodes.iter().filter(|s| frame.intersects(s.rect));
                 model.selection.extend(inside.map(|s| s.id.clone()));
             }
+            Gesture::Lasso(line, before) => {
+                let p = self.view.to_canvas(area, at);
+                if line.last().is_none_or(|last| last.distance(p) * self.view.zoom > 4.0) {
+                    line.push(p);
+                }
+                model.selection.clone_from(before);
+                let inside = self.shapes.nodes.iter().filter(|s| around(line, s.rect.center()));
+                model.selection.extend(inside.map(|s| s.id.clone()));
+            }
             Gesture::Slide { node, port, row, slider } => {
                 let value = slider.at(f64::from((at.x - row.left()) / row.width().max(1.0)));
                 set(node, port, value, model);
@@ -291,11 +315,11 @@ impl Canvas {
             Gesture::Wire(end) => {
                 let Some(at) = pointer else { return };
                 match self.hit(area, at, model) {
-                    Hit::Nothing => self.finder = Some(Finder::new(at, Some(end))),
+                    Hit::Nothing | Hit::Wire(_) | Hit::Group(_) => self.finder = Some(Finder::new(at, Some(end))),
                     hit => self.drop_wire(&end, hit, at, area, model),
                 }
             }
-            Gesture::Idle | Gesture::Pan | Gesture::Frame(..) => {}
+            Gesture::Idle | Gesture::Pan | Gesture::Frame(..) | Gesture::Lasso(..) => {}
         }
     }
 
@@ -343,6 +367,16 @@ impl Canvas {
                 }
                 self.jump(area, at, model);
             }
+            Hit::Wire(w) => {
+                // A wire is seen best by its ends.
+                let wire = &self.shapes.wires[w];
+                let ends = wire.source.map(|(n, _)| n).into_iter().chain([wire.to]);
+                model.selection = ends.map(|n| self.shapes.nodes[n].id.clone()).collect();
+            }
+            Hit::Group(g) => {
+                let name = model.document().groups.keys().nth(g).cloned().unwrap_or_default();
+                model.selection = groups::members(model.document(), &name).map(str::to_owned).collect();
+            }
             Hit::More(n) => {
                 let id = self.shapes.nodes[n].id.clone();
                 self.fold(&id);
@@ -360,6 +394,24 @@ impl Canvas {
                 }
             }
             Hit::Node(n) | Hit::Output(n, _) | Hit::Input(n, _) => self.select_one(n, more, model),
+        }
+    }
+
+    /// Puts a reroute point into a wire.
+    pub(super) fn reroute(&self, wire: usize, at: [f64; 2], model: &mut Model) {
+        let Some(wire) = self.shapes.wires.get(wire) else { return };
+        let to = &self.shapes.nodes[wire.to];
+        let operation = model.reroute(&wire.from, &to.id, &to.inputs[wire.port].name, at);
+        model.edit(operation);
+    }
+
+    /// Opens what a value is edited by: lists as tables, everything else as a text.
+    fn edit_value(&mut self, node: String, port: PortInfo, model: &Model) {
+        let value = model.param(&node, &port.name).or_else(|| port.default.clone());
+        if table::edits(&port, value.as_ref()) {
+            self.table = Some(Table::new(node, port));
+        } else {
+            self.typing = Some(Typing::new(node, port.name, model));
         }
     }
 
@@ -389,10 +441,37 @@ impl Canvas {
             Hit::Nothing => self.finder = Some(Finder::new(at, None)),
             Hit::Value(n, i, _) => {
                 let shape = &self.shapes.nodes[n];
-                self.typing = Some(Typing::new(shape.id.clone(), shape.inputs[i].name.clone(), model));
+                self.edit_value(shape.id.clone(), shape.inputs[i].clone(), model);
             }
-            Hit::Node(n) => self.typing = Some(Typing::rename(self.shapes.nodes[n].id.clone())),
+            Hit::Node(n) => {
+                let shape = &self.shapes.nodes[n];
+                let id = shape.id.clone();
+                let instance = model.document().nodes().get(&id).is_some_and(|n| n.cluster().is_some());
+                let title = self.view.to_canvas(area, at).y < shape.rect.top() + super::shape::HEADER;
+                match shape.kind {
+                    Kind::Note => self.typing = Some(Typing::new(id, "text".into(), model)),
+                    Kind::Reroute => {}
+                    Kind::Node if instance && !title => model.message = model.enter(&id).err(),
+                    Kind::Node => self.typing = Some(Typing::rename(id)),
+                }
+            }
+            Hit::Wire(w) => {
+                let at = self.view.to_canvas(area, at) - Vec2::new(14.0, 9.0);
+                self.reroute(w, [f64::from(at.x), f64::from(at.y)], model);
+            }
+            Hit::Group(g) => {
+                let name = model.document().groups.keys().nth(g).cloned();
+                self.typing = name.map(|name| Typing::title(name, model));
+            }
             Hit::More(_) | Hit::Output(..) | Hit::Input(..) => {}
         }
     }
+}
+
+/// Whether a closed line goes around a place.
+fn around(line: &[Pos2], at: Pos2) -> bool {
+    let sides = line.iter().zip(line.iter().cycle().skip(1));
+    let crossed =
+        sides.filter(|(a, b)| (a.y > at.y) != (b.y > at.y) && at.x < a.x + (at.y - a.y) / (b.y - a.y) * (b.x - a.x));
+    crossed.count() % 2 == 1
 }

@@ -1,6 +1,7 @@
 //! Typing on the canvas: a value into an input, or another id for a node.
 
-use super::shape::{HEADER, Row, Shapes};
+use super::groups;
+use super::shape::{HEADER, Kind, Row, Shapes};
 use crate::model::Model;
 use crate::model::param;
 use eframe::egui::text::{CCursor, CCursorRange};
@@ -8,14 +9,28 @@ use eframe::egui::{Area, Frame, Id, Key, Order, Rect, ScrollArea, TextEdit, Ui, 
 use tenon_engine::Literal;
 use tenon_engine::Operation;
 
+/// What is typed.
+enum What {
+    /// The value of an input.
+    Value(String),
+    /// The id of a node.
+    Id,
+    /// The title of a group.
+    Title,
+}
+
 /// A field that is open on the canvas.
 pub struct Typing {
+    /// The node or the group.
     node: String,
-    /// The input, or none for the node's id.
-    port: Option<String>,
+    what: What,
+    /// It may have several lines.
+    lines: bool,
     text: String,
-    /// The field has the keyboard.
+    /// The field was shown.
     begun: bool,
+    /// It asked for the keyboard and has not got it yet.
+    asked: bool,
 }
 
 impl Typing {
@@ -26,23 +41,41 @@ impl Typing {
             let info = model.catalog.get(&there?.type_name)?;
             info.inputs.iter().find(|p| p.name == port)?.default.clone()
         });
-        Self { node, port: Some(port), text: param::to_text(value.as_ref()), begun: false }
+        let lines = there.is_some_and(|n| matches!(n.type_name.as_str(), "note" | "text"));
+        Self { node, what: What::Value(port), lines, text: param::to_text(value.as_ref()), begun: false, asked: false }
     }
 
     /// A field for the id of a node.
     pub fn rename(node: String) -> Self {
-        Self { text: node.clone(), node, port: None, begun: false }
+        Self { text: node.clone(), node, what: What::Id, lines: false, begun: false, asked: false }
+    }
+
+    /// A field for the title of a group.
+    pub fn title(group: String, model: &Model) -> Self {
+        let text = groups::title(model.document(), &group).to_owned();
+        Self { text, node: group, what: What::Title, lines: false, begun: false, asked: false }
+    }
+
+    /// The input whose value is typed.
+    fn port(&self) -> Option<&str> {
+        if let What::Value(port) = &self.what { Some(port) } else { None }
     }
 
     /// Where it stands on the canvas; none if there is no such place any more.
-    pub fn place(&self, shapes: &Shapes) -> Option<Rect> {
+    pub fn place(&self, shapes: &Shapes, model: &Model) -> Option<Rect> {
+        if matches!(self.what, What::Title) {
+            return groups::strip(model.document(), shapes, &self.node);
+        }
         let shape = &shapes.nodes[shapes.find(&self.node)?];
-        let Some(port) = &self.port else {
+        if shape.kind == Kind::Note {
+            return Some(shape.rect);
+        }
+        let Some(port) = self.port() else {
             let mut rect = shape.rect;
             rect.set_height(HEADER);
             return Some(rect);
         };
-        let i = shape.inputs.iter().position(|p| p.name == *port)?;
+        let i = shape.inputs.iter().position(|p| p.name == port)?;
         let row = shape.rows.iter().position(|r| matches!(r, Row::Input(p, _) if *p == i))?;
         Some(shape.row_rect(row))
     }
@@ -51,7 +84,7 @@ impl Typing {
     pub fn show(&mut self, ui: &mut Ui, place: Rect, area: Rect, model: &mut Model, zoom: f32) -> bool {
         let choices = self.choices(model);
         let mut open = true;
-        let id = Id::new(("typing", &self.node, &self.port));
+        let id = Id::new(("typing", &self.node, self.port()));
         let shown =
             Area::new(id).order(Order::Foreground).fixed_pos(place.min).constrain_to(area).show(ui.ctx(), |ui| {
                 Frame::popup(ui.style()).inner_margin(2.0).show(ui, |ui| {
@@ -83,8 +116,33 @@ impl Typing {
     }
 
     fn field(&mut self, ui: &mut Ui, width: f32, model: &mut Model) -> bool {
-        let field = ui.add_sized(vec2(width, 22.0), TextEdit::singleline(&mut self.text).id_salt("typing-field"));
-        if !self.begun {
+        let file = self.is_file(model);
+        let field = ui
+            .horizontal(|ui| {
+                let field = if self.lines {
+                    let width = width.max(240.0);
+                    ui.add(
+                        TextEdit::multiline(&mut self.text)
+                            .id_salt("typing-field")
+                            .desired_width(width)
+                            .desired_rows(3),
+                    )
+                } else {
+                    ui.add_sized(vec2(width, 22.0), TextEdit::singleline(&mut self.text).id_salt("typing-field"))
+                };
+                if file && ui.button("…").on_hover_text("choose a file").clicked() {
+                    model.wanted_file = Some((self.node.clone(), self.port().unwrap_or_default().to_owned()));
+                }
+                field
+            })
+            .inner;
+        if model.wanted_file.is_some() {
+            return false;
+        }
+        let again = self.begun && self.asked && !field.has_focus();
+        self.asked = !self.begun;
+        if !self.begun || again {
+            // The menu that this was opened from takes the keyboard with it once more.
             field.request_focus();
             if let Some(mut state) = TextEdit::load_state(ui.ctx(), field.id) {
                 let all = CCursorRange::two(CCursor::new(0), CCursor::new(self.text.chars().count()));
@@ -96,24 +154,37 @@ impl Typing {
         if ui.input(|i| i.key_pressed(Key::Escape)) {
             return false;
         }
-        if ui.input(|i| i.key_pressed(Key::Enter)) {
+        let enter = ui.input(|i| i.key_pressed(Key::Enter) && (!self.lines || i.modifiers.command));
+        if enter {
             self.commit(model);
             return false;
         }
         true
     }
 
+    /// Whether the input names a file.
+    fn is_file(&self, model: &Model) -> bool {
+        let info = model.document().nodes().get(&self.node).map(|n| model.catalog.of(n));
+        info.is_some_and(|t| t.inputs.iter().any(|p| Some(p.name.as_str()) == self.port() && p.file))
+    }
+
     fn choices(&self, model: &Model) -> Vec<String> {
         let port = || {
             let node = model.document().nodes().get(&self.node)?;
             let info = model.catalog.get(&node.type_name)?;
-            Some(info.inputs.iter().find(|p| Some(&p.name) == self.port.as_ref())?.choices.clone())
+            Some(info.inputs.iter().find(|p| Some(p.name.as_str()) == self.port())?.choices.clone())
         };
         port().unwrap_or_default()
     }
 
     fn commit(&self, model: &mut Model) {
-        let Some(port) = &self.port else {
+        if matches!(self.what, What::Title) {
+            let title = Some(self.text.trim()).filter(|t| !t.is_empty() && *t != self.node);
+            let operation = model.set_in_group(&self.node, "title", title.map(Into::into));
+            model.edit(operation);
+            return;
+        }
+        let Some(port) = self.port().map(str::to_owned) else {
             let to = self.text.trim();
             if to != self.node {
                 let chosen = model.selection.contains(&self.node);
@@ -126,11 +197,11 @@ impl Typing {
         };
         let node = model.document().nodes().get(&self.node);
         let info = node.and_then(|n| model.catalog.get(&n.type_name)).cloned();
-        let Some(input) = info.as_ref().and_then(|t| t.inputs.iter().find(|p| p.name == *port)) else { return };
+        let Some(input) = info.as_ref().and_then(|t| t.inputs.iter().find(|p| p.name == port)) else { return };
         let value = param::from_text(input, &self.text);
-        let old = model.param(&self.node, port);
+        let old = model.param(&self.node, &port);
         if value != old && !(old.is_none() && value == input.default) {
-            model.edit(Operation::SetParam { node: self.node.clone(), port: port.clone(), value });
+            model.edit(Operation::SetParam { node: self.node.clone(), port, value });
         }
     }
 }

@@ -1,24 +1,32 @@
-//! The context menu of the canvas, and groups behind their nodes.
+//! The context menus of the canvas: of nodes, their ports, wires, groups, and of the empty canvas.
 
-use super::align;
 use super::hit::Hit;
 use super::input::Typing;
-use super::paint::Paint;
-use super::shape::Shapes;
-use super::{Canvas, Finder};
+use super::{Canvas, Finder, align, groups};
 use crate::model::Model;
-use crate::theme;
-use eframe::egui::{Align2, FontId, Rect, Response, Stroke, StrokeKind, vec2};
-use tenon_engine::{Json, NodeState, Operation};
+use eframe::egui::{Response, Ui};
+use tenon_engine::{Cluster, Node, NodeState, Operation};
 
 impl Canvas {
     pub(super) fn context_menu(&mut self, response: &Response, model: &mut Model) {
         let hit = self.menu_on.unwrap_or(Hit::Nothing);
         response.context_menu(|ui| {
+            match hit {
+                Hit::Wire(w) => return self.wire_menu(ui, w, model),
+                Hit::Group(g) => return self.group_menu(ui, g, model),
+                _ => {}
+            }
             let Some(shape) = hit.node().and_then(|n| self.shapes.nodes.get(n)) else {
                 if ui.button("Add a node …").clicked() {
-                    let at = response.interact_pointer_pos().or_else(|| ui.input(|i| i.pointer.latest_pos()));
-                    self.finder = Some(Finder::new(at.unwrap_or(response.rect.center()), None));
+                    self.finder = Some(Finder::new(self.menu_at, None));
+                    ui.close();
+                }
+                if ui.button("Write a note").clicked() {
+                    let at = self.view.to_canvas(response.rect, self.menu_at);
+                    let (id, add) = model.new_node("note", [f64::from(at.x), f64::from(at.y)]);
+                    if model.edit(add) {
+                        self.typing = Some(Typing::new(id, "text".into(), model));
+                    }
                     ui.close();
                 }
                 if ui.button("Show all").clicked() {
@@ -65,6 +73,16 @@ impl Canvas {
                 operation = Some(Operation::PutWires { node: id.clone(), port: port.name.clone(), wires: None });
                 ui.close();
             }
+            if let Hit::Input(_, i) | Hit::Value(_, i, _) = hit
+                && let Some(port) = shape.inputs.get(i)
+            {
+                operation = operation.or(expose(ui, model, &id, &port.name, false));
+            }
+            if let Hit::Output(_, o) = hit
+                && let Some(port) = shape.outputs.get(o)
+            {
+                operation = operation.or(expose(ui, model, &id, &port.name, true));
+            }
             if model.selection.len() > 1 {
                 ui.menu_button("Align", |ui| {
                     for (words, how) in align::ALL {
@@ -81,16 +99,15 @@ impl Canvas {
                 ui.close();
             }
             if ui.button("Group").clicked() {
-                operation = Some(group(model));
+                operation = Some(groups::group(model));
                 ui.close();
             }
             if ui.button("Make a cluster").clicked() {
                 model.message = model.gather().err();
                 ui.close();
             }
-            if shape.info.type_name.starts_with("cluster:") && ui.button("Explode the cluster").clicked() {
-                model.message = model.explode(&id).err();
-                ui.close();
+            if let Some(cluster) = model.document().nodes().get(&id).and_then(Node::cluster).map(str::to_owned) {
+                cluster_menu(ui, model, &id, &cluster);
             }
             if ui.button("Delete").clicked() {
                 model.delete_selection();
@@ -103,31 +120,70 @@ impl Canvas {
     }
 }
 
-/// The operation that groups the selected nodes.
-pub fn group(model: &Model) -> Operation {
-    let taken = |n: &str| model.document().groups.contains_key(n);
-    let name = (1u64..).map(|n| format!("group {n}")).find(|n| !taken(n)).unwrap_or_default();
-    Operation::SetGroup { name, nodes: Some(model.selection.iter().cloned().collect()) }
+/// What can be done with an instance of a cluster.
+fn cluster_menu(ui: &mut Ui, model: &mut Model, id: &str, cluster: &str) {
+    let linked = matches!(model.whole().clusters.get(cluster), Some(Cluster::File(_)));
+    if !linked && ui.button("Enter the cluster").clicked() {
+        model.message = model.enter(id).err();
+        ui.close();
+    }
+    if linked && ui.button("Take the cluster into this file").clicked() {
+        model.message = model.embed(cluster).err();
+        ui.close();
+    }
+    if ui.button("Explode the cluster").clicked() {
+        model.message = model.explode(id).err();
+        ui.close();
+    }
 }
 
-/// Paints groups: a field around the nodes with the group's name on it.
-pub fn groups(p: &Paint, shapes: &Shapes) {
-    for (name, group) in &p.model.document().groups {
-        let members = group.get("nodes").and_then(Json::as_array).into_iter().flatten().filter_map(Json::as_str);
-        let rects = members.filter_map(|id| shapes.find(id)).map(|n| p.moved(&shapes.nodes[n]));
-        let Some(bounds) = rects.reduce(Rect::union) else { continue };
-        let bounds = Rect::from_min_max(bounds.min - vec2(14.0, 34.0), bounds.max + vec2(14.0, 14.0));
-        let rect = p.view.rect_to_screen(p.area, bounds);
-        if !rect.intersects(p.area) {
-            continue;
+/// Makes a port one of the graph's own, or of the cluster's that is worked on.
+fn expose(ui: &mut Ui, model: &Model, node: &str, port: &str, output: bool) -> Option<Operation> {
+    let address = format!("{node}.{port}");
+    let document = model.document();
+    let exposed = if output {
+        document.outputs.values().any(|o| o.port == address)
+    } else {
+        document.inputs.values().any(|i| i.ports.contains(&address))
+    };
+    let of = if model.trail().is_empty() { "the graph" } else { "the cluster" };
+    let words = match (exposed, output) {
+        (true, _) => format!("{port} is no port of {of} any more"),
+        (false, true) => format!("Make {port} an output of {of}"),
+        (false, false) => format!("Make {port} an input of {of}"),
+    };
+    let clicked = ui.button(words).clicked();
+    if clicked {
+        ui.close();
+    }
+    clicked.then(|| model.toggle_exposed(node, port, output))
+}
+
+impl Canvas {
+    fn wire_menu(&mut self, ui: &mut Ui, wire: usize, model: &mut Model) {
+        let Some(wire_there) = self.shapes.wires.get(wire) else { return };
+        let to = &self.shapes.nodes[wire_there.to];
+        let (node, port) = (to.id.clone(), to.inputs[wire_there.port].name.clone());
+        ui.strong(format!("{} to {node}.{port}", wire_there.from));
+        if ui.button("Put a point into it").clicked() {
+            let place = wire_there.source.map(|(n, o)| self.shapes.nodes[n].output(o));
+            let middle = place.map_or(to.rect.min, |a| a + (to.input(wire_there.port) - a) / 2.0);
+            self.reroute(wire, [f64::from(middle.x - 14.0), f64::from(middle.y - 9.0)], model);
+            ui.close();
+        } else if ui.button("Remove it").clicked() {
+            model.edit(Operation::Disconnect { node, port, from: wire_there.from.clone() });
+            ui.close();
         }
-        let colour = theme::type_colour("layout");
-        p.painter.rect(rect, 6.0, colour.gamma_multiply(0.18), Stroke::new(1.0, colour), StrokeKind::Inside);
-        let size = 14.0 * p.view.zoom;
-        if size > 4.0 {
-            let title = group.get("title").and_then(Json::as_str).unwrap_or(name);
-            let at = rect.min + vec2(8.0, 5.0) * p.view.zoom;
-            p.painter.text(at, Align2::LEFT_TOP, title, FontId::proportional(size.round()), p.theme.text);
+    }
+
+    fn group_menu(&mut self, ui: &mut Ui, group: usize, model: &mut Model) {
+        let Some(name) = model.document().groups.keys().nth(group).cloned() else { return };
+        let mut rename = false;
+        if let Some(operation) = groups::menu(ui, model, &name, &mut rename) {
+            model.edit(operation);
+        }
+        if rename {
+            self.typing = Some(Typing::title(name, model));
         }
     }
 }

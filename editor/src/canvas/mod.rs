@@ -4,6 +4,7 @@
 mod align;
 mod finder;
 mod gesture;
+mod groups;
 mod hit;
 mod input;
 mod menu;
@@ -13,12 +14,13 @@ mod tip;
 mod view;
 
 pub use finder::Finder;
-pub use menu::group;
+pub use groups::group;
 pub use shape::Shapes;
 pub use tip::{bytes, value as value_in_short};
 pub use view::View;
 
 use crate::model::Model;
+use crate::panels::table::Table;
 use crate::theme::Theme;
 use eframe::egui::{self, Id, Rect, Sense, Ui, Vec2, WidgetInfo, WidgetType};
 use gesture::Gesture;
@@ -28,7 +30,6 @@ use paint::Paint;
 use std::collections::BTreeSet;
 
 /// The canvas of one window.
-#[derive(Default)]
 pub struct Canvas {
     /// Which part is seen.
     pub view: View,
@@ -39,12 +40,37 @@ pub struct Canvas {
     folds: u64,
     gesture: Gesture,
     typing: Option<Typing>,
+    table: Option<Table>,
     finder: Option<Finder>,
     /// What the context menu was opened on.
     menu_on: Option<Hit>,
+    /// Where on screen it was opened.
+    menu_at: egui::Pos2,
     /// Everything is to be brought into view, as after opening.
     fit: bool,
     arrange: bool,
+    /// Where it was shown last.
+    area: Rect,
+}
+
+impl Default for Canvas {
+    fn default() -> Self {
+        Self {
+            view: View::default(),
+            shapes: Shapes::default(),
+            unfolded: BTreeSet::new(),
+            folds: 0,
+            gesture: Gesture::Idle,
+            typing: None,
+            table: None,
+            finder: None,
+            menu_on: None,
+            menu_at: egui::Pos2::ZERO,
+            fit: false,
+            arrange: false,
+            area: Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(800.0, 600.0)),
+        }
+    }
 }
 
 impl Canvas {
@@ -53,6 +79,7 @@ impl Canvas {
         self.unfolded.clear();
         self.folds += 1;
         self.typing = None;
+        self.table = None;
         self.finder = None;
         self.gesture = Gesture::Idle;
         (self.fit, self.arrange) = (true, true);
@@ -84,6 +111,7 @@ impl Canvas {
     /// Shows the canvas in all the room that `ui` has.
     pub fn show(&mut self, ui: &mut Ui, model: &mut Model) {
         let area = ui.available_rect_before_wrap();
+        self.area = area;
         let id = Id::new("canvas");
         let response = ui.interact(area, id, Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "canvas"));
@@ -103,7 +131,13 @@ impl Canvas {
         self.paint(ui, area, model);
         self.name_what_is_seen(ui, area, model);
         self.context_menu(&response, model);
+        self.shapes.update(model, &self.unfolded, self.folds);
         self.typing(ui, area, model);
+        if let Some(mut table) = self.table.take()
+            && table.window(ui, area, model)
+        {
+            self.table = Some(table);
+        }
         self.find(ui, area, model);
     }
 
@@ -112,7 +146,7 @@ impl Canvas {
         let painter = ui.painter_at(area);
         let p = Paint { painter, area, view: self.view, theme: Theme::of(ui), model, offset };
         p.grid();
-        menu::groups(&p, &self.shapes);
+        groups::paint(&p, &self.shapes);
         p.wires(&self.shapes);
         match self.gesture.wire() {
             Some(end) => {
@@ -133,17 +167,26 @@ impl Canvas {
             return;
         }
         let seen = self.view.seen(area);
+        for name in model.document().groups.keys() {
+            let Some(strip) = groups::strip(model.document(), &self.shapes, name) else { continue };
+            let rect = self.view.rect_to_screen(area, strip).intersect(area);
+            let title = groups::title(model.document(), name);
+            let response = ui.interact(rect, Id::new(("group", name)), Sense::hover());
+            response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("group {title}")));
+        }
         for shape in self.shapes.nodes.iter().filter(|s| s.rect.intersects(seen)) {
             let id = Id::new(("node", &shape.id));
             let mut header = shape.rect;
-            header.set_height(shape::HEADER);
+            if shape.kind == shape::Kind::Node {
+                header.set_height(shape::HEADER);
+            }
             let rect = self.view.rect_to_screen(area, header).intersect(area);
             let node = ui.interact(rect, id, Sense::hover());
             node.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("node {}", shape.id)));
             if self.gesture.is_idle() {
                 node.on_hover_ui(|ui| tip::node(ui, model, shape));
             }
-            if self.view.zoom < 0.45 {
+            if self.view.zoom < 0.45 || shape.kind == shape::Kind::Note {
                 continue;
             }
             for (r, row) in shape.rows.iter().enumerate() {
@@ -152,7 +195,12 @@ impl Canvas {
                     shape::Row::Input(i, _) => (format!("input {}.{}", shape.id, shape.inputs[*i].name), *i, false),
                     shape::Row::More(_) => (format!("inputs of {}", shape.id), usize::MAX, false),
                 };
-                let rect = self.view.rect_to_screen(area, shape.row_rect(r)).intersect(area);
+                let mut rect = shape.row_rect(r);
+                if shape.kind == shape::Kind::Reroute {
+                    let half = rect.width() / 2.0;
+                    if output { rect.min.x += half } else { rect.max.x -= half }
+                }
+                let rect = self.view.rect_to_screen(area, rect).intersect(area);
                 let row = Id::new(("row", &shape.id, r));
                 let response = ui.interact(rect, row, Sense::hover());
                 response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &label));
@@ -161,6 +209,13 @@ impl Canvas {
                 }
             }
         }
+    }
+
+    /// The place of the canvas in the middle of what was seen last.
+    #[must_use]
+    pub fn middle(&self) -> [f64; 2] {
+        let p = self.view.to_canvas(self.area, self.area.center());
+        [f64::from(p.x), f64::from(p.y)]
     }
 
     /// Opens or folds the inputs of a node.
@@ -189,7 +244,7 @@ impl Canvas {
 
     fn typing(&mut self, ui: &mut Ui, area: Rect, model: &mut Model) {
         let Some(mut typing) = self.typing.take() else { return };
-        let place = typing.place(&self.shapes).map(|r| self.view.rect_to_screen(area, r));
+        let place = typing.place(&self.shapes, model).map(|r| self.view.rect_to_screen(area, r));
         if let Some(place) = place
             && typing.show(ui, place, area, model, self.view.zoom)
         {
@@ -199,6 +254,7 @@ impl Canvas {
 
     /// The part of the canvas that the pointer is over.
     fn hit(&self, area: Rect, at: egui::Pos2, model: &Model) -> Hit {
-        hit::hit(&self.shapes, self.view.to_canvas(area, at), &model.selection, self.view.zoom)
+        let at = self.view.to_canvas(area, at);
+        hit::hit(&self.shapes, model.document(), at, &model.selection, self.view.zoom)
     }
 }

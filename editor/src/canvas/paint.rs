@@ -1,6 +1,6 @@
 //! Painting nodes, wires and what is being drawn by hand. What lies outside is left out, and zoomed out less is drawn.
 
-use super::shape::{HEADER, Row, Shape, Shapes, Wire};
+use super::shape::{HEADER, Kind, Row, Shape, Shapes, Wire};
 use super::view::View;
 use crate::model::Model;
 use crate::model::param::{Widget, shown};
@@ -86,7 +86,11 @@ impl Paint<'_> {
             let source = &shapes.nodes[n];
             let start = self.port(source, source.output(o));
             let chosen = self.model.selection.contains(&source.id) || self.model.selection.contains(&target.id);
-            let colour = theme::type_colour(&source.outputs[o].type_name);
+            let type_name = match (source.outputs[o].type_name.as_str(), self.model.value(&wire.from)) {
+                ("any", Some(tree)) => tree.type_name(),
+                (named, _) => named,
+            };
+            let colour = theme::type_colour(type_name);
             let colour = if chosen { colour } else { colour.gamma_multiply(0.55) };
             self.wire(start, end, colour, self.strands(wire));
         }
@@ -94,7 +98,7 @@ impl Paint<'_> {
 
     /// One line for an item, two for a list, two broken ones for a tree.
     fn strands(&self, wire: &Wire) -> Strands {
-        match self.model.results.values.get(&wire.from) {
+        match self.model.value(&wire.from) {
             Some(tree) if tree.branches().len() > 1 => Strands::Tree,
             Some(tree) if tree.len() > 1 => Strands::List,
             _ => Strands::Item,
@@ -113,8 +117,7 @@ impl Paint<'_> {
             self.painter.line_segment([a, b], Stroke::new(width, colour));
             return;
         }
-        let reach =
-            ((b.x - a.x).abs() * 0.5).max((b.y - a.y).abs() * 0.25).max(self.scaled(18.0)).min(self.scaled(240.0));
+        let reach = self.scaled(super::hit::reach(from, to));
         let curve = |dy: f32| {
             let up = vec2(0.0, dy);
             let points = [a + up, a + up + vec2(reach, 0.0), b + up - vec2(reach, 0.0), b + up];
@@ -150,8 +153,13 @@ impl Paint<'_> {
 
     fn node(&self, shape: &Shape, wanted: Wanted<'_>) {
         let rect = self.view.rect_to_screen(self.area, self.moved(shape));
+        match shape.kind {
+            Kind::Node => {}
+            Kind::Note => return self.note(shape, rect),
+            Kind::Reroute => return self.reroute(shape, rect, wanted),
+        }
         let radius = CornerRadius::same(self.scaled(6.0).clamp(0.0, 18.0) as u8);
-        let worst = self.model.results.worst(&shape.id).map(|(d, _)| d.severity);
+        let worst = self.model.results.worst(&self.model.path_of(&shape.id)).map(|(d, _)| d.severity);
         let off = shape.state == NodeState::Disabled;
         let fill = if off { self.theme.node.gamma_multiply(0.6) } else { self.theme.node };
         self.painter.rect_filled(rect, radius, fill);
@@ -179,6 +187,38 @@ impl Paint<'_> {
         }
     }
 
+    /// A sheet with a text.
+    fn note(&self, shape: &Shape, rect: Rect) {
+        let selected = self.model.selection.contains(&shape.id);
+        let edge = if selected { Stroke::new(2.0, self.theme.selected) } else { Stroke::new(1.0, self.theme.edge) };
+        self.painter.rect(rect, 2.0, self.theme.paper, edge, StrokeKind::Outside);
+        let text = self.model.document().nodes().get(&shape.id).map(super::shape::note_text);
+        if self.view.zoom < DETAIL[1] {
+            return;
+        }
+        let (text, ink) = match text.filter(|t| !t.is_empty()) {
+            None => ("double-click to write".to_owned(), self.theme.faint_text),
+            Some(text) => (text, theme::ink_on(self.theme.paper)),
+        };
+        let inside = rect.shrink(self.scaled(8.0));
+        let galley = self.painter.layout(text, self.font(13.0), ink, inside.width().max(1.0));
+        self.painter.with_clip_rect(rect.intersect(self.painter.clip_rect())).galley(inside.min, galley, ink);
+    }
+
+    /// A point that wires are led through.
+    fn reroute(&self, shape: &Shape, rect: Rect, wanted: Wanted<'_>) {
+        let selected = self.model.selection.contains(&shape.id);
+        let edge = if selected { Stroke::new(2.0, self.theme.selected) } else { Stroke::new(1.0, self.theme.edge) };
+        let radius = CornerRadius::same((rect.height() / 2.0).clamp(0.0, 30.0) as u8);
+        self.painter.rect(rect, radius, self.theme.node, edge, StrokeKind::Outside);
+        if self.view.zoom >= DETAIL[1] {
+            let tree = self.model.value(&format!("{}.value", shape.id));
+            let item = tree.map_or("any", tenon_engine::Tree::type_name);
+            self.dot(rect.left_center(), item, wanted.map(|w| w(shape, false, 0)));
+            self.dot(rect.right_center(), item, wanted.map(|w| w(shape, true, 0)));
+        }
+    }
+
     fn header(&self, shape: &Shape, header: Rect, bar: Color32) {
         let ink = theme::ink_on(bar);
         if self.view.zoom < DETAIL[0] {
@@ -192,7 +232,7 @@ impl Paint<'_> {
         let inside = header.shrink2(vec2(self.scaled(8.0), 0.0));
         let painter = self.painter.with_clip_rect(inside.intersect(self.painter.clip_rect()));
         painter.text(inside.left_center(), Align2::LEFT_CENTER, &shape.id, self.font(14.0), ink);
-        let badge = match (shape.state, self.model.results.nodes.get(&shape.id)) {
+        let badge = match (shape.state, self.model.results.nodes.get(&*self.model.path_of(&shape.id))) {
             (NodeState::Disabled, _) => "off".to_owned(),
             (NodeState::Frozen, _) => "frozen".to_owned(),
             (NodeState::Bypassed, _) => "bypassed".to_owned(),

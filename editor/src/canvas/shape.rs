@@ -14,8 +14,21 @@ pub const WIDTH: f32 = 190.0;
 pub const HEADER: f32 = 26.0;
 /// Height of a port's row.
 pub const ROW: f32 = 20.0;
+/// Width of a note.
+pub const NOTE: f32 = 230.0;
 /// Room below the last row.
 pub const FOOT: f32 = 6.0;
+
+/// How a node is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// As a box with rows.
+    Node,
+    /// As a sheet with a text.
+    Note,
+    /// As a point that wires are led through.
+    Reroute,
+}
 
 /// One row of a node.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +50,8 @@ pub struct Shape {
     pub info: Arc<TypeInfo>,
     /// Where it stands.
     pub rect: Rect,
+    /// How it is drawn.
+    pub kind: Kind,
     /// Its rows from top to bottom.
     pub rows: Vec<Row>,
     /// On, frozen or disabled.
@@ -51,12 +66,18 @@ impl Shape {
     /// The middle of a row.
     #[must_use]
     pub fn row_y(&self, row: usize) -> f32 {
+        if self.kind == Kind::Reroute {
+            return self.rect.center().y;
+        }
         self.rect.top() + HEADER + (row as f32 + 0.5) * ROW
     }
 
     /// The area of a row.
     #[must_use]
     pub fn row_rect(&self, row: usize) -> Rect {
+        if self.kind != Kind::Node {
+            return self.rect;
+        }
         let top = self.rect.top() + HEADER + row as f32 * ROW;
         Rect::from_min_size(pos2(self.rect.left(), top), vec2(self.rect.width(), ROW))
     }
@@ -183,6 +204,25 @@ fn shape<'a>(
     bound: impl Fn(&str) -> Option<&'a InterfaceInput>,
 ) -> Shape {
     let mut rows: Vec<Row> = (0..info.outputs.len()).map(Row::Output).collect();
+    let (inputs, outputs) = (info.inputs.clone(), info.outputs.clone());
+    let whole = |kind, size, rows| Shape {
+        id: id.to_owned(),
+        kind,
+        rect: Rect::from_min_size(at, size),
+        rows,
+        state: node.state,
+        inputs: info.inputs.clone(),
+        outputs: info.outputs.clone(),
+        info: info.clone(),
+    };
+    match node.type_name.as_str() {
+        "note" => return whole(Kind::Note, note_size(&note_text(node)), Vec::new()),
+        "reroute" => {
+            rows.push(Row::Input(0, None));
+            return whole(Kind::Reroute, vec2(28.0, 18.0), rows);
+        }
+        _ => {}
+    }
     let mut folded = 0;
     for (p, port) in info.inputs.iter().enumerate() {
         let wired = node.inputs.get(&port.name).is_some_and(|w| !w.from.is_empty());
@@ -205,6 +245,18 @@ fn shape<'a>(
         rows.push(Row::More(0));
     }
     let size = vec2(WIDTH, HEADER + rows.len() as f32 * ROW + FOOT);
-    let (inputs, outputs) = (info.inputs.clone(), info.outputs.clone());
-    Shape { id: id.to_owned(), rect: Rect::from_min_size(at, size), rows, state: node.state, inputs, outputs, info }
+    let (id, rect) = (id.to_owned(), Rect::from_min_size(at, size));
+    Shape { id, kind: Kind::Node, rect, rows, state: node.state, inputs, outputs, info }
+}
+
+/// The text of a note.
+pub fn note_text(node: &Node) -> String {
+    let text = node.params.get("text").map(Literal::to_json);
+    text.as_ref().and_then(tenon_engine::Json::as_str).unwrap_or_default().to_owned()
+}
+
+/// Room for the text of a note: about so many letters to a line.
+fn note_size(text: &str) -> Vec2 {
+    let lines = text.split('\n').map(|l| l.chars().count().div_ceil(30).max(1)).sum::<usize>();
+    vec2(NOTE, 16.0 + lines as f32 * 18.0)
 }

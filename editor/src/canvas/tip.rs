@@ -14,10 +14,10 @@ pub fn node(ui: &mut Ui, model: &Model, shape: &Shape) {
     if let Some(note) = model.document().nodes().get(&shape.id).and_then(|n| n.more.note.as_ref()) {
         ui.label(RichText::new(note).italics());
     }
-    if let Some(r) = model.results.nodes.get(&shape.id) {
+    if let Some(r) = model.results.nodes.get(&*model.path_of(&shape.id)) {
         ui.weak(format!("{} in {}, {}", r.happened.as_str(), theme::duration(r.time), bytes(r.bytes)));
     }
-    if let Some((worst, count)) = model.results.worst(&shape.id) {
+    if let Some((worst, count)) = model.results.worst(&model.path_of(&shape.id)) {
         ui.separator();
         ui.colored_label(theme::Theme::of(ui).error, &worst.message);
         if let Some(hint) = &worst.hint {
@@ -45,7 +45,7 @@ pub fn port(ui: &mut Ui, model: &Model, shape: &Shape, port: usize, output: bool
         ui.weak(format!("from {min} to {max}"));
     }
     if output {
-        match model.results.values.get(&format!("{}.{}", shape.id, info.name)) {
+        match model.value(&format!("{}.{}", shape.id, info.name)) {
             Some(tree) => ui.weak(value(tree)),
             None => ui.weak("no value yet"),
         };
@@ -54,7 +54,7 @@ pub fn port(ui: &mut Ui, model: &Model, shape: &Shape, port: usize, output: bool
     let node = model.document().nodes().get(&shape.id);
     let wires = node.and_then(|n| n.inputs.get(&info.name)).map_or(&[][..], |w| &w.from);
     for from in wires.iter().take(6) {
-        let there = model.results.values.get(from.as_str()).map_or_else(|| "no value yet".to_owned(), value);
+        let there = model.value(from.as_str()).map_or_else(|| "no value yet".to_owned(), value);
         ui.weak(format!("from {from}: {there}"));
     }
     if wires.len() > 6 {

@@ -43,7 +43,7 @@ fn outputs<'a>(model: &'a Model, type_name: &'a str) -> impl Iterator<Item = (&'
         let ports = model.catalog.get(&node.type_name).into_iter().flat_map(|t| &t.outputs);
         ports.filter(move |p| p.type_name == type_name).filter_map(move |p| {
             let address = format!("{id}.{}", p.name);
-            let tree = model.results.values.get(&address)?;
+            let tree = model.value(&address)?;
             Some((id, address, tree))
         })
     })
@@ -52,15 +52,14 @@ fn outputs<'a>(model: &'a Model, type_name: &'a str) -> impl Iterator<Item = (&'
 /// The parts of the first layout that there is; that of a selected node goes first.
 #[must_use]
 pub fn boards(model: &Model) -> Option<Boards> {
-    let values = &model.results.values;
     outputs(model, "layout").find_map(|(node, _, tree)| {
         let layout = tree.first::<V<Layout>>()?.clone();
         let (from, parts) =
-            sources(model.document(), node).find_map(|s| Some((s, values.get(s)?.first::<V<PartSet>>()?.clone())))?;
+            sources(model.document(), node).find_map(|s| Some((s, model.value(s)?.first::<V<PartSet>>()?.clone())))?;
         let mapper = from.split_once('.')?.0;
         let panels = sources(model.document(), mapper)
-            .find(|s| values.get(*s).is_some_and(|t| t.first::<V<PanelSet>>().is_some()));
-        Some(Boards { node: node.clone(), layout, parts, panels: panels.map(str::to_owned) })
+            .find(|s| model.value(s).is_some_and(|t| t.first::<V<PanelSet>>().is_some()));
+        Some(Boards { node: node.clone(), layout, parts, panels: panels.map(|p| model.path_of(p).into_owned()) })
     })
 }
 
@@ -77,10 +76,9 @@ pub struct Programs {
 /// The programs that are judged best: proven ones before others.
 #[must_use]
 pub fn programs(model: &Model) -> Option<Programs> {
-    let values = &model.results.values;
     let found = outputs(model, "program").filter_map(|(node, _, tree)| {
         let machine =
-            sources(model.document(), node).find_map(|s| values.get(s)?.first::<V<MachineFile>>().cloned())?;
+            sources(model.document(), node).find_map(|s| model.value(s)?.first::<V<MachineFile>>().cloned())?;
         let columns = tree.branches().iter().map(|(_, c)| c);
         let all: Vec<Program> =
             columns.flat_map(|c| (0..c.len()).filter_map(|i| c.get::<Program>(i).cloned())).collect();

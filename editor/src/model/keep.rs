@@ -2,11 +2,12 @@
 //! given up. And the other way round: a graph that another program has written is taken as a step.
 
 use super::Model;
-use super::file::{ENDING, write_quickly};
+use super::file::ENDING;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 use tenon_engine::{Diagnostic, Document, Operation};
+use tenon_nodes::host::output::write_quickly;
 
 /// How often unsaved work is written, and files are looked at.
 const EVERY: Duration = Duration::from_millis(900);
@@ -83,7 +84,7 @@ impl Model {
         document.migrate(&self.registry);
         let steps = self.document.diff(&document);
         if !steps.is_empty() {
-            self.apply(Operation::All(steps))?;
+            self.apply_to_whole(Operation::All(steps))?;
         }
         Ok(())
     }
@@ -133,7 +134,7 @@ impl Model {
         match write_quickly(&path, text.as_bytes()) {
             Ok(()) => self.keeper.written = Some(self.revision()),
             Err(e) if !self.keeper.told => {
-                let message = format!("unsaved work cannot be kept in {}: {e}", path.display());
+                let message = format!("unsaved work cannot be kept: {e}");
                 self.message = Some(Diagnostic::error("unwritable", message).hint("save often, or elsewhere"));
                 self.keeper.told = true;
             }

@@ -4,21 +4,28 @@
 pub mod arrange;
 pub mod catalog;
 pub mod cut;
+mod edit;
+mod export;
 pub mod file;
 pub mod handle;
+pub mod inside;
 pub mod keep;
 pub mod param;
+pub mod plugins;
 pub mod results;
+pub mod salvage;
 pub mod worker;
 
 use catalog::Catalog;
+use inside::Entered;
+use plugins::Plugins;
 use results::Results;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tenon_engine::{
-    Diagnostic, Document, History, Literal, Name, NoHost, Node, NodeState, Operation, OuterWires, Registry,
-};
+use tenon_engine::{Diagnostic, Document, History, Host, Name, NoHost, NodeState, Operation, Registry};
+use tenon_nodes::host::graph::{Files, GraphError};
+use tenon_nodes::host::output;
 use worker::{Update, Worker};
 
 /// One graph being worked on.
@@ -26,7 +33,9 @@ pub struct Model {
     /// All node types, the document's clusters among them.
     pub catalog: Catalog,
     registry: Arc<Registry>,
+    plugins: Plugins,
     document: Document,
+    inside: Vec<Entered>,
     history: History,
     worker: Worker,
     /// What the evaluation found.
@@ -48,6 +57,8 @@ pub struct Model {
     pub state: Option<PathBuf>,
     /// What went wrong last, for people.
     pub message: Option<Diagnostic>,
+    /// The node and its input that a file is to be chosen for.
+    pub wanted_file: Option<(String, String)>,
 }
 
 impl Model {
@@ -61,7 +72,9 @@ impl Model {
             catalog: Catalog::new(&registry),
             worker: Worker::start(registry.clone(), wake)?,
             registry,
+            plugins: Plugins::default(),
             document: Document::new(),
+            inside: Vec::new(),
             history: History::default(),
             results: Results::default(),
             selection: BTreeSet::new(),
@@ -74,15 +87,10 @@ impl Model {
             keeper: keep::Keeper::default(),
             state: None,
             message: None,
+            wanted_file: None,
         };
         model.take(Document::new(), None);
         Ok(model)
-    }
-
-    /// The document.
-    #[must_use]
-    pub fn document(&self) -> &Document {
-        &self.document
     }
 
     /// The graph's file, once it has one.
@@ -101,8 +109,8 @@ impl Model {
     ///
     /// # Errors
     /// What keeps it from being read; then the graph that was open stays.
-    pub fn open(&mut self, path: &Path) -> Result<(), Vec<Diagnostic>> {
-        let path = file::find(path).map_err(|d| vec![d])?;
+    pub fn open(&mut self, path: &Path) -> Result<(), GraphError> {
+        let path = file::find(path)?;
         let (document, told) = file::load(&path)?;
         self.message = told.into_iter().next();
         self.take(document, Some(path));
@@ -119,15 +127,13 @@ impl Model {
         self.saved = (document.to_string_canonical_for(&self.registry), document.layout_to_string());
         // The session migrates its copy in the same way, and tells what fails.
         document.migrate(&self.registry);
-        let folder = path.as_deref().and_then(Path::parent).map(Path::to_owned);
-        let host: Arc<dyn tenon_engine::Host> = match folder {
-            Some(folder) => Arc::new(file::Folder(folder)),
-            None => Arc::new(NoHost),
-        };
+        self.path = path;
+        let host = self.host();
         document.read_links(&*host);
         self.catalog.take_clusters(&document, &self.registry);
-        self.path = path;
         self.document = document;
+        self.inside.clear();
+        self.look_for_plugins();
         self.history = History::default();
         self.selection.clear();
         self.previews.clear();
@@ -136,8 +142,17 @@ impl Model {
         // What is shown goes first: asked for afterwards it would stop what has just begun.
         self.shown = Vec::new();
         self.show();
-        self.worker.open(self.document.clone(), host);
+        self.worker.look_inside(None);
+        self.worker.open(self.registry.clone(), self.document.clone(), host);
         self.note_file();
+    }
+
+    /// Who reads the files that nodes name: from the graph's folder, once it has one.
+    fn host(&self) -> Arc<dyn Host> {
+        match &self.path {
+            Some(path) => Arc::new(Files::new(path, Default::default())),
+            None => Arc::new(NoHost),
+        }
     }
 
     /// Writes the graph and its layout; to `path` from now on, if one is given.
@@ -151,8 +166,7 @@ impl Model {
         let texts = (self.document.to_string_canonical_for(&self.registry), self.document.layout_to_string());
         let layout = file::layout_path(&path);
         for (path, text) in [(&path, &texts.0), (&layout, &texts.1)] {
-            file::write_whole(path, text.as_bytes())
-                .map_err(|e| Diagnostic::error("unwritable", format!("{} cannot be written: {e}", path.display())))?;
+            output::write_whole(path, text.as_bytes()).map_err(|e| Diagnostic::error(e.code(), e.to_string()))?;
         }
         self.forget_kept();
         let moved = self.path.as_deref().and_then(Path::parent) != path.parent();
@@ -163,8 +177,7 @@ impl Model {
         self.remember();
         if moved {
             // Files that nodes name lie elsewhere now.
-            let folder = path.parent().map(Path::to_owned).unwrap_or_default();
-            self.worker.open(self.document.clone(), Arc::new(file::Folder(folder)));
+            self.worker.open(self.registry.clone(), self.document.clone(), self.host());
             self.worker.show(self.shown.clone());
         }
         Ok(())
@@ -185,7 +198,7 @@ impl Model {
         let before = self.document.layout_to_string();
         for (node, to) in places {
             // It is refused only for nodes that are not there.
-            let _ = Operation::Move { node, to: Some(to) }.apply(&mut self.document);
+            let _ = self.here(Operation::Move { node, to: Some(to) }).apply(&mut self.document);
         }
         if self.saved.1 == before {
             self.saved.1 = self.document.layout_to_string();
@@ -193,11 +206,27 @@ impl Model {
         self.revision += 1;
     }
 
-    /// Changes the document as one step.
+    /// An operation on what stands on the canvas, as one on the whole graph.
+    fn here(&self, operation: Operation) -> Operation {
+        match self.inside.last() {
+            Some(e) => Operation::InCluster { name: e.cluster.clone(), operation: Box::new(operation) },
+            None => operation,
+        }
+    }
+
+    /// Changes what stands on the canvas as one step.
     ///
     /// # Errors
     /// If the operation is refused; then nothing has changed.
     pub fn apply(&mut self, operation: Operation) -> Result<(), Diagnostic> {
+        self.apply_to_whole(self.here(operation))
+    }
+
+    /// Changes the whole graph as one step, whatever stands on the canvas.
+    ///
+    /// # Errors
+    /// If the operation is refused; then nothing has changed.
+    pub fn apply_to_whole(&mut self, operation: Operation) -> Result<(), Diagnostic> {
         let inverse = operation.apply(&mut self.document)?;
         self.history.record(inverse);
         self.changed(operation);
@@ -220,8 +249,14 @@ impl Model {
         self.message = None;
         if worker::touches_clusters(&operation) {
             self.catalog.take_clusters(&self.document, &self.registry);
+            self.leave_what_is_gone();
         }
-        self.selection.retain(|id| self.document.nodes().contains_key(id));
+        if !self.plugins.missing.is_empty() {
+            self.look_for_plugins();
+        }
+        let mut selection = std::mem::take(&mut self.selection);
+        selection.retain(|id| self.document().nodes().contains_key(id));
+        self.selection = selection;
         self.worker.edit(operation);
         self.show();
     }
@@ -281,10 +316,12 @@ impl Model {
             news = true;
             if let Update::Lost(diagnostic) = &update {
                 debug_assert!(false, "the session refused what the document took: {diagnostic}");
-                let folder = self.path.as_deref().and_then(Path::parent).map(Path::to_owned).unwrap_or_default();
-                self.worker.open(self.document.clone(), Arc::new(file::Folder(folder)));
+                self.worker.open(self.registry.clone(), self.document.clone(), self.host());
             }
             self.results.take(update);
+        }
+        if news {
+            self.results.add(&self.plugins.missing);
         }
         news
     }
@@ -309,23 +346,25 @@ impl Model {
     /// since what follows is made of them; everything else that can be seen always.
     #[must_use]
     pub fn previews(&self, id: &str) -> bool {
-        self.previews.get(id).copied().unwrap_or(true)
+        self.previews.get(&*self.path_of(id)).copied().unwrap_or(true)
     }
 
     /// Shows or hides what a node makes.
     pub fn set_preview(&mut self, id: &str, show: bool) {
-        self.previews.insert(id.to_owned(), show);
+        let path = self.path_of(id).into_owned();
+        self.previews.insert(path, show);
         self.show();
     }
 
     /// Tells the worker what the viewport shows, if that has changed. O(nodes + wires).
     fn show(&mut self) {
         let mut followed = BTreeSet::new();
-        for node in self.document.nodes().values() {
+        let document = self.document();
+        for node in document.nodes().values() {
             followed.extend(node.inputs.values().flat_map(|w| w.from.iter().map(Name::as_str)));
         }
         let mut shown = Vec::new();
-        for (id, node) in self.document.nodes() {
+        for (id, node) in document.nodes() {
             let Some(info) = self.catalog.get(&node.type_name) else { continue };
             if node.state == NodeState::Disabled || !self.previews(id) {
                 continue;
@@ -334,10 +373,12 @@ impl Model {
                 let address = format!("{id}.{}", port.name);
                 // The points of a curve are seen by the curve.
                 let first = info.outputs.iter().position(|p| crate::scene::VISIBLE.contains(&p.type_name.as_str()));
-                let by_hand = self.previews.contains_key(id);
-                let covered = port.type_name == "mesh" && followed.contains(address.as_str()) && !by_hand;
+                let by_hand = self.previews.contains_key(&*self.path_of(id));
+                let covered = crate::scene::YIELDS.contains(&port.type_name.as_str())
+                    && followed.contains(address.as_str())
+                    && !by_hand;
                 if first == Some(o) && !covered {
-                    shown.push(address);
+                    shown.push(format!("{}.{}", self.path_of(id), port.name));
                 }
             }
         }
@@ -345,131 +386,6 @@ impl Model {
             self.shown.clone_from(&shown);
             self.worker.show(shown);
         }
-    }
-
-    /// An id that no node has, made from the name of a type: `point`, `point-2` …
-    #[must_use]
-    pub fn free_id(&self, type_name: &str) -> String {
-        let stem = type_name.strip_prefix("cluster:").unwrap_or(type_name).replace(['.', '/'], "_");
-        let taken = |id: &str| self.document.nodes().contains_key(id);
-        if !taken(&stem) {
-            return stem;
-        }
-        (2u64..).map(|n| format!("{stem}-{n}")).find(|id| !taken(id)).unwrap_or(stem)
-    }
-
-    /// The operation that adds a node of a type at a place, and the id that it gets.
-    #[must_use]
-    pub fn new_node(&self, type_name: &str, at: [f64; 2]) -> (String, Operation) {
-        let id = self.free_id(type_name);
-        let mut node = Node::new(type_name);
-        node.version = self.catalog.get(type_name).map_or(1, |t| t.version);
-        let add = Operation::AddNode { id: id.clone(), node: Box::new(node) };
-        let put = Operation::Move { node: id.clone(), to: Some(at.map(f64::round)) };
-        (id, Operation::All(vec![add, put]))
-    }
-
-    /// The operation that brings a wire from an output to an input: at an input for single items it takes the place of
-    /// the one that was there, at one for lists it comes last.
-    #[must_use]
-    pub fn new_wire(&self, from: &str, node: &str, port: &str) -> Operation {
-        let connect = Operation::Connect { node: node.into(), port: port.into(), from: from.into(), at: None };
-        let there = self.document.nodes().get(node).and_then(|n| n.inputs.get(port)).map_or(&[][..], |w| &w.from);
-        let info = self.document.nodes().get(node).map(|n| self.catalog.of(n));
-        let single = info.and_then(|t| t.inputs.iter().find(|p| p.name == port).map(|p| p.access))
-            == Some(tenon_engine::Access::Item);
-        if !single || there.is_empty() {
-            return connect;
-        }
-        let gone =
-            there.iter().map(|f| Operation::Disconnect { node: node.into(), port: port.into(), from: f.to_string() });
-        Operation::All(gone.chain([connect]).collect())
-    }
-
-    /// The selected nodes as the text of a graph, for the clipboard; `None` if nothing is selected.
-    #[must_use]
-    pub fn copy(&self) -> Option<String> {
-        let ids: Vec<&str> = self.selection.iter().map(String::as_str).collect();
-        let fragment = self.document.copy(&ids).ok().filter(|_| !ids.is_empty())?;
-        let mut text = fragment.to_string_canonical();
-        // The layout follows the graph in the same text, as a second value.
-        text.push_str(&fragment.layout_to_string());
-        Some(text)
-    }
-
-    /// Puts copied nodes into the graph, moved by `offset`, and selects them.
-    ///
-    /// # Errors
-    /// If the text is no graph, or what it says is refused.
-    pub fn paste(&mut self, text: &str, offset: [f64; 2]) -> Result<(), Diagnostic> {
-        let (graph, layout) = split_layout(text);
-        let mut fragment = Document::from_slice(graph.as_bytes()).map_err(|all| {
-            let first = all.into_iter().next().map_or_else(String::new, |d| d.message);
-            Diagnostic::error("no-graph", format!("what was copied is no graph: {first}"))
-        })?;
-        if !layout.is_empty() {
-            fragment.read_layout(layout.as_bytes())?;
-        }
-        self.insert(&fragment, OuterWires::Keep, offset)
-    }
-
-    fn insert(&mut self, fragment: &Document, outer: OuterWires, offset: [f64; 2]) -> Result<(), Diagnostic> {
-        let paste = self.document.paste(fragment, outer, offset);
-        self.apply(paste.operation)?;
-        self.selection = paste.ids.into_values().collect();
-        Ok(())
-    }
-
-    /// Puts copies of the selected nodes beside them and selects those.
-    ///
-    /// # Errors
-    /// If the document refuses them.
-    pub fn duplicate(&mut self, offset: [f64; 2]) -> Result<(), Diagnostic> {
-        let ids: Vec<&str> = self.selection.iter().map(String::as_str).collect();
-        let fragment = self.document.copy(&ids)?;
-        self.insert(&fragment, OuterWires::Keep, offset)
-    }
-
-    /// Removes the selected nodes with their wires.
-    pub fn delete_selection(&mut self) {
-        let all = self.selection.iter().map(|id| Operation::RemoveNode { id: id.clone() }).collect();
-        if !self.selection.is_empty() {
-            self.edit(Operation::All(all));
-        }
-    }
-
-    /// Makes a cluster of the selected nodes, with one instance in their place, and selects that.
-    ///
-    /// # Errors
-    /// If a port takes wires both from selected nodes and from others.
-    pub fn gather(&mut self) -> Result<(), Diagnostic> {
-        let ids: Vec<&str> = self.selection.iter().map(String::as_str).collect();
-        let places: Vec<[f64; 2]> = ids.iter().filter_map(|id| self.document.position(id)).collect();
-        let taken = |n: &str| self.document.clusters.contains_key(n) || self.document.nodes().contains_key(n);
-        let name = (1u64..).map(|n| format!("cluster-{n}")).find(|n| !taken(n)).unwrap_or_default();
-        let gather = self.document.gather(&ids, &name, &name)?;
-        let middle = [0, 1].map(|k| (places.iter().map(|p| p[k]).sum::<f64>() / places.len().max(1) as f64).round());
-        let put = Operation::Move { node: name.clone(), to: Some(middle) };
-        self.apply(Operation::All(vec![gather, put]))?;
-        self.selection = [name].into();
-        Ok(())
-    }
-
-    /// Puts the nodes of a cluster in the place of one of its instances and selects them.
-    ///
-    /// # Errors
-    /// If it is no instance, or its definition cannot be used.
-    pub fn explode(&mut self, instance: &str) -> Result<(), Diagnostic> {
-        let paste = self.document.explode(instance, &self.registry)?;
-        self.apply(paste.operation)?;
-        self.selection = paste.ids.into_values().collect();
-        Ok(())
-    }
-
-    /// What a node's parameter is set to.
-    #[must_use]
-    pub fn param(&self, id: &str, port: &str) -> Option<tenon_engine::Json> {
-        self.document.nodes().get(id)?.params.get(port).map(Literal::to_json)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::scene::Drawing;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Duration;
-use tenon_engine::{Diagnostic, Happened, Progress, Severity, Tree};
+use tenon_engine::{Diagnostic, File, Happened, Progress, Severity, Tree};
 
 /// What happened to a node when it was last looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +29,8 @@ pub struct Results {
     pub diagnostics: Vec<Diagnostic>,
     /// What the viewport shows, by `node.port`.
     pub drawings: BTreeMap<String, Arc<Drawing>>,
+    /// The files that writers made, with the `node.port` that made them, in the order of node ids.
+    pub files: Vec<(String, File)>,
     /// How far the running evaluation is.
     pub progress: Option<Progress>,
     /// How long the last evaluation of the whole graph took.
@@ -91,8 +93,18 @@ impl Results {
             }
         }
         self.diagnostics.sort_by(|a, b| b.severity.cmp(&a.severity).then_with(|| a.node.cmp(&b.node)));
+        if done.stage == Stage::All {
+            self.files = done.files;
+        }
         self.values = done.values;
         self.drawings = done.drawings;
+    }
+
+    /// Adds what the window knows besides, such as plugins that are not there.
+    pub(super) fn add(&mut self, more: &[Diagnostic]) {
+        for new in more.iter().filter(|n| !self.diagnostics.contains(n)).cloned().collect::<Vec<_>>() {
+            self.diagnostics.insert(0, new);
+        }
     }
 
     /// What is inside an instance counts for the instance.

@@ -1,6 +1,7 @@
 //! Evaluation beside the window. One thread holds the session; edits go to it in order, and what it finds comes back in
 //! updates. First comes what the viewport shows, then everything else; a new edit stops the second, never the window.
 
+use super::inside::Entered;
 use crate::scene::{self, Drawing};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -8,7 +9,8 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use tenon_engine::{
-    Control, Diagnostic, Document, Host, Node, NodeType, Operation, Options, Progress, Registry, Report, Session, Tree,
+    Cluster, Control, Diagnostic, Document, File, Host, Node, NodeType, Operation, Options, Progress, Registry, Report,
+    Session, Tree,
 };
 
 /// What is shown may take this long before a new edit stops it.
@@ -27,9 +29,10 @@ pub enum Stage {
 }
 
 enum Request {
-    Open(Box<Document>, Arc<dyn Host>),
+    Open(Arc<Registry>, Box<Document>, Arc<dyn Host>),
     Edit(Operation),
     Show(Vec<String>),
+    Inside(Option<Entered>),
     Again,
 }
 
@@ -57,6 +60,8 @@ pub struct Done {
     pub values: HashMap<String, Tree>,
     /// What the viewport shows, by `node.port`.
     pub drawings: BTreeMap<String, Arc<Drawing>>,
+    /// The files that writers made, with the `node.port` that made them.
+    pub files: Vec<(String, File)>,
 }
 
 struct Running {
@@ -105,6 +110,7 @@ impl Worker {
                     tell,
                     shared,
                     shown: Vec::new(),
+                    inside: None,
                     known: HashMap::new(),
                     outputs: HashMap::new(),
                     seen: 0,
@@ -116,8 +122,13 @@ impl Worker {
     }
 
     /// Takes another document; files that nodes name come from `host`.
-    pub fn open(&mut self, document: Document, host: Arc<dyn Host>) {
-        self.send(Request::Open(Box::new(document), host));
+    pub fn open(&mut self, registry: Arc<Registry>, document: Document, host: Arc<dyn Host>) {
+        self.send(Request::Open(registry, Box::new(document), host));
+    }
+
+    /// Says whose inside is looked at, so that its values are told too.
+    pub fn look_inside(&mut self, inside: Option<Entered>) {
+        self.send(Request::Inside(inside));
     }
 
     /// Changes the document.
@@ -198,6 +209,7 @@ struct Evaluator {
     tell: Tell,
     shared: Arc<Shared>,
     shown: Vec<String>,
+    inside: Option<Entered>,
     /// Drawings by digest of what they show, so that what did not change is not drawn anew.
     known: HashMap<u128, Arc<Drawing>>,
     /// Outputs of clusters, by the type of their instances.
@@ -226,7 +238,8 @@ impl Evaluator {
         self.shared.pending.fetch_sub(1, Ordering::SeqCst);
         self.seen += 1;
         match request {
-            Request::Open(document, host) => {
+            Request::Open(registry, document, host) => {
+                self.registry = registry;
                 let options = Options { cache_bytes: CACHE, host, ..Options::default() };
                 *session = Session::new(self.registry.clone(), *document, options);
                 self.known.clear();
@@ -241,6 +254,7 @@ impl Evaluator {
                 }
             }
             Request::Show(shown) => self.shown = shown,
+            Request::Inside(inside) => self.inside = inside,
             Request::Again => {}
         }
     }
@@ -263,7 +277,8 @@ impl Evaluator {
         let stopped = report.cancelled;
         let faults = if stage == Stage::All { session.document().validate(&self.registry) } else { Vec::new() };
         let (values, drawings) = (self.values(session), self.draw(session));
-        let done = Done { stage, revision: self.seen, report, faults, values, drawings };
+        let files = if stage == Stage::All { session.files() } else { Vec::new() };
+        let done = Done { stage, revision: self.seen, report, faults, values, drawings, files };
         self.tell.tell(Update::Done(Box::new(done)));
         stopped
     }
@@ -321,14 +336,22 @@ impl Evaluator {
     }
 
     fn values(&mut self, session: &Session) -> HashMap<String, Tree> {
-        let mut values = HashMap::new();
-        for (id, node) in session.document().nodes() {
-            for port in self.outputs(session, node) {
-                let address = format!("{id}.{port}");
-                if let Some(tree) = session.value(&address) {
-                    values.insert(address, tree);
+        let (mut values, inside) = (HashMap::new(), self.inside.clone());
+        let mut take = |prefix: &str, nodes: &BTreeMap<String, Node>| {
+            for (id, node) in nodes {
+                for port in self.outputs(session, node) {
+                    let address = format!("{prefix}{id}.{port}");
+                    if let Some(tree) = session.value(&address) {
+                        values.insert(address, tree);
+                    }
                 }
             }
+        };
+        take("", session.document().nodes());
+        if let Some(inside) = inside
+            && let Some(Cluster::Here(body)) = session.document().clusters.get(&inside.cluster)
+        {
+            take(&format!("{}/", inside.path), body.nodes());
         }
         values
     }

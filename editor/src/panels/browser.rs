@@ -1,16 +1,65 @@
-//! Choosing a file: folders and graphs as a list, and a path that can be typed. Needs nothing of the desktop.
+//! Choosing a file or a folder: entries as a list, and a path that can be typed. Needs nothing of the desktop.
 
 use crate::model::file::ENDING;
 use eframe::egui::{Key, RichText, ScrollArea, TextEdit, Ui, Window};
 use std::path::{Path, PathBuf};
 
 /// What a file is wanted for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Browse {
-    /// To be read.
+    /// A graph to be read.
     Open,
-    /// To be written.
+    /// A graph to be written.
     Save,
+    /// A file that an input names.
+    Input {
+        /// The node.
+        node: String,
+        /// Its input.
+        port: String,
+    },
+    /// The library of a plugin.
+    Plugin,
+    /// A mesh or a picture behind the model.
+    Reference,
+    /// A folder for the files that the graph makes.
+    Export,
+    /// A picture of the viewport.
+    Picture,
+}
+
+impl Browse {
+    /// The words at the top and on the button.
+    #[must_use]
+    pub fn words(&self) -> (&'static str, &'static str) {
+        match self {
+            Self::Open => ("Open a graph", "Open"),
+            Self::Save => ("Save the graph", "Save"),
+            Self::Input { .. } => ("Choose a file", "Take"),
+            Self::Plugin => ("Load a plugin", "Load"),
+            Self::Reference => ("Show a mesh or a picture behind the model", "Show"),
+            Self::Export => ("Write the files of the graph into a folder", "Write here"),
+            Self::Picture => ("Save a picture of the viewport", "Save"),
+        }
+    }
+
+    /// Whether a file is written.
+    #[must_use]
+    pub fn writes(&self) -> bool {
+        matches!(self, Self::Save | Self::Picture)
+    }
+
+    /// Endings of the files that will do; none: all.
+    #[must_use]
+    pub fn endings(&self) -> &'static [&'static str] {
+        match self {
+            Self::Open | Self::Save => &[ENDING],
+            Self::Plugin => &[".so", ".dll", ".dylib"],
+            Self::Reference => &[".obj", ".png", ".jpg", ".jpeg"],
+            Self::Picture => &[".png"],
+            Self::Input { .. } | Self::Export => &[],
+        }
+    }
 }
 
 /// What came of a frame.
@@ -20,15 +69,14 @@ pub enum Chosen {
     Nothing,
     /// The window was closed.
     Closed,
-    /// A graph to open.
-    Open(PathBuf),
-    /// A file to write.
-    Save(PathBuf),
+    /// A file or folder.
+    Path(PathBuf),
 }
 
 /// An open file window.
 pub struct Browser {
-    what: Browse,
+    /// What it is for.
+    pub what: Browse,
     folder: PathBuf,
     name: String,
     entries: Vec<(String, bool)>,
@@ -44,10 +92,13 @@ impl Browser {
         let here = || std::env::current_dir().unwrap_or_default();
         let folder = near.and_then(Path::parent).map_or_else(here, Path::to_owned);
         let folder = folder.canonicalize().unwrap_or(folder);
-        let name = match (what, near.and_then(Path::file_name).and_then(|n| n.to_str())) {
+        let name = match (&what, near.and_then(Path::file_name).and_then(|n| n.to_str())) {
             (Browse::Save, Some(name)) => name.to_owned(),
             (Browse::Save, None) => format!("new{ENDING}"),
-            (Browse::Open, _) => String::new(),
+            (Browse::Picture, Some(name)) => format!("{}.png", name.strip_suffix(ENDING).unwrap_or(name)),
+            (Browse::Picture, None) => "viewport.png".to_owned(),
+            (Browse::Export, _) => "out".to_owned(),
+            _ => String::new(),
         };
         let mut browser = Self { what, folder, name, entries: Vec::new(), error: None, over: None };
         browser.read();
@@ -60,10 +111,12 @@ impl Browser {
             Err(e) => self.error = Some(format!("{} cannot be read: {e}", self.folder.display())),
             Ok(entries) => {
                 self.error = None;
+                let endings = self.what.endings();
                 for entry in entries.flatten() {
                     let (name, path) = (entry.file_name().to_string_lossy().into_owned(), entry.path());
                     let is_folder = path.is_dir();
-                    if !name.starts_with('.') && (is_folder || name.ends_with(ENDING)) {
+                    let fits = endings.is_empty() || endings.iter().any(|e| name.ends_with(e));
+                    if !name.starts_with('.') && (is_folder || (fits && self.what != Browse::Export)) {
                         self.entries.push((name, is_folder));
                     }
                 }
@@ -75,10 +128,11 @@ impl Browser {
     /// Shows it.
     pub fn show(&mut self, ui: &Ui) -> Chosen {
         let (mut open, mut chosen) = (true, Chosen::Nothing);
-        let title = if self.what == Browse::Open { "Open a graph" } else { "Save the graph" };
+        let (title, verb) = self.what.words();
         Window::new(title).open(&mut open).collapsible(false).default_width(460.0).show(ui.ctx(), |ui| {
             ui.label(RichText::new(self.folder.display().to_string()).monospace());
-            ScrollArea::vertical().max_height(300.0).auto_shrink(false).show(ui, |ui| {
+            let room = (ui.ctx().content_rect().height() - 220.0).clamp(80.0, 300.0);
+            ScrollArea::vertical().max_height(room).auto_shrink(false).show(ui, |ui| {
                 let mut go = None;
                 if self.folder.parent().is_some() && ui.selectable_label(false, "..").clicked() {
                     go = self.folder.parent().map(Path::to_owned);
@@ -91,8 +145,8 @@ impl Browser {
                     } else if row.clicked() {
                         self.name.clone_from(name);
                     }
-                    if row.double_clicked() && !is_folder && self.what == Browse::Open {
-                        chosen = Chosen::Open(self.folder.join(name));
+                    if row.double_clicked() && !is_folder && !self.what.writes() {
+                        chosen = Chosen::Path(self.folder.join(name));
                     }
                 }
                 if let Some(folder) = go {
@@ -103,11 +157,7 @@ impl Browser {
             ui.horizontal(|ui| {
                 let field = ui.add(TextEdit::singleline(&mut self.name).desired_width(300.0).hint_text("file or path"));
                 let enter = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
-                let words = match (self.what, &self.over) {
-                    (Browse::Open, _) => "Open",
-                    (Browse::Save, None) => "Save",
-                    (Browse::Save, Some(_)) => "Write over it",
-                };
+                let words = if self.over.is_some() { "Write over it" } else { verb };
                 if ui.button(words).clicked() || enter {
                     chosen = self.choose();
                 }
@@ -122,11 +172,15 @@ impl Browser {
 
     fn choose(&mut self) -> Chosen {
         let path = self.folder.join(self.name.trim());
+        if self.what == Browse::Export {
+            return Chosen::Path(path);
+        }
         if self.name.trim().is_empty() {
             return Chosen::Nothing;
         }
-        if self.what == Browse::Open {
-            if path.is_dir() && crate::model::file::find(&path).is_err() {
+        if !self.what.writes() {
+            let graph = self.what == Browse::Open && crate::model::file::find(&path).is_ok();
+            if path.is_dir() && !graph {
                 (self.folder, self.name) = (path, String::new());
                 self.read();
                 return Chosen::Nothing;
@@ -135,14 +189,15 @@ impl Browser {
                 self.error = Some(format!("{} is not there", path.display()));
                 return Chosen::Nothing;
             }
-            return Chosen::Open(path);
+            return Chosen::Path(path);
         }
-        let path = if path.extension().is_none() { PathBuf::from(format!("{}{ENDING}", path.display())) } else { path };
+        let ending = self.what.endings().first().copied().unwrap_or_default();
+        let path = if path.extension().is_none() { PathBuf::from(format!("{}{ending}", path.display())) } else { path };
         if path.exists() && self.over.as_ref() != Some(&path) {
             self.error = Some(format!("{} is there already", path.display()));
             self.over = Some(path);
             return Chosen::Nothing;
         }
-        Chosen::Save(path)
+        Chosen::Path(path)
     }
 }

@@ -75,7 +75,7 @@ impl DataView {
             self.port = ports.first().cloned();
         }
         let Some(port) = self.port.clone() else { return };
-        let tree = model.results.values.get(&port);
+        let tree = model.value(&port);
         ui.horizontal(|ui| {
             ComboBox::from_id_salt("data-port").selected_text(&port).show_ui(ui, |ui| {
                 for p in &ports {

@@ -55,7 +55,7 @@ fn note(ui: &mut Ui, model: &mut Model, id: &str, note: Option<&str>) {
 
 fn problems(ui: &mut Ui, model: &Model, id: &str) {
     let theme = Theme::of(ui);
-    for d in model.results.of_node(id).take(20) {
+    for d in model.results.of_node(&model.path_of(id)).take(20) {
         let item = d.item.map(|i| format!("item {i}: ")).unwrap_or_default();
         let hint = d.hint.as_ref().map(|h| format!(" ({h})")).unwrap_or_default();
         let colour = if d.severity == tenon_engine::Severity::Error { theme.error } else { theme.warning };
@@ -184,7 +184,7 @@ fn typed(ui: &mut Ui, address: &str, port: &PortInfo, set: Option<&Json>) -> Opt
 fn outputs(ui: &mut Ui, model: &Model, id: &str, info: &TypeInfo) {
     ui.separator();
     for port in &info.outputs {
-        let value = model.results.values.get(&format!("{id}.{}", port.name));
+        let value = model.value(&format!("{id}.{}", port.name));
         let text = value.map_or_else(|| "no value yet".to_owned(), crate::canvas::value_in_short);
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new(&port.name).strong()).on_hover_text(&port.doc);

@@ -72,8 +72,7 @@ fn problems(ui: &mut Ui, model: &Model) -> Option<String> {
             };
             let row = ui.selectable_label(false, RichText::new(d.to_string()).color(colour));
             if row.clicked() {
-                // Of what is inside an instance, the instance is what stands on the canvas.
-                go = d.node.as_deref().and_then(|n| n.split('/').next()).map(str::to_owned);
+                go = d.node.as_deref().map(str::to_owned);
             }
         }
     });
@@ -81,8 +80,12 @@ fn problems(ui: &mut Ui, model: &Model) -> Option<String> {
 }
 
 fn profile(ui: &mut Ui, model: &Model) -> Option<String> {
-    let mut all: Vec<_> =
-        model.results.nodes.iter().filter(|(id, _)| model.document().nodes().contains_key(*id)).collect();
+    let mut all: Vec<_> = model
+        .results
+        .nodes
+        .iter()
+        .filter(|(path, _)| model.local(path).is_some_and(|id| model.path_of(id) == path.as_str()))
+        .collect();
     all.sort_by(|a, b| b.1.time.cmp(&a.1.time).then_with(|| a.0.cmp(b.0)));
     let most = all.first().map_or(0.0, |(_, r)| r.time.as_secs_f64()).max(1e-9);
     let (theme, mut go) = (Theme::of(ui), None);

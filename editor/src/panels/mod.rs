@@ -5,6 +5,7 @@ mod data;
 mod help;
 mod inspector;
 mod lower;
+pub mod table;
 
 pub use browser::{Browse, Browser, Chosen};
 pub use help::help;

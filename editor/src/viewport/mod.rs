@@ -96,7 +96,7 @@ impl Viewport {
     }
 
     fn bring_into_view(&mut self, area: Rect, model: &Model) {
-        let chosen = |address: &str| address.split_once('.').is_some_and(|(id, _)| model.selection.contains(id));
+        let chosen = |address: &str| model.is_chosen(address);
         let all = &model.results.drawings;
         let any = all.keys().any(|a| chosen(a));
         let boxes = all.iter().filter(|(a, _)| !any || chosen(a)).map(|(_, d)| d.bounds);
@@ -132,8 +132,7 @@ impl Viewport {
         let measure = self.measured(model);
         let mut shown = Vec::new();
         for (output, drawing) in &model.results.drawings {
-            let id = output.split_once('.').map_or("", |(id, _)| id);
-            let chosen = model.selection.contains(id);
+            let chosen = model.is_chosen(output);
             let (mut face, line) = match drawing.kind {
                 Kind::Panels => (Color32::from_rgb(226, 190, 140), theme.line),
                 Kind::Mesh => (Color32::from_rgb(160, 176, 190), theme.line),
@@ -178,9 +177,9 @@ impl Viewport {
         if !ui.input(|i| i.modifiers.shift) {
             model.selection.clear();
         }
-        if let Some(id) = self.picked.as_ref().and_then(|p| p.output.split_once('.')).map(|(id, _)| id) {
+        if let Some(id) = self.picked.as_ref().and_then(|p| model.local(&p.output)).map(str::to_owned) {
             // The part is shown by its own colour, so that it stands out of the others.
-            model.selection.insert(id.to_owned());
+            model.selection.insert(id);
         }
     }
 

@@ -1,5 +1,6 @@
 //! Parameters and plumbing: values that people set, lists, ranges.
 
+mod canvas;
 mod list;
 mod primitive;
 mod spatial;
@@ -9,5 +10,5 @@ use tenon_engine::NodeType;
 
 /// Every node of this folder.
 pub(crate) fn nodes() -> Vec<NodeType> {
-    [primitive::nodes(), spatial::nodes(), list::nodes()].into_iter().flatten().collect()
+    [primitive::nodes(), spatial::nodes(), list::nodes(), canvas::nodes()].into_iter().flatten().collect()
 }

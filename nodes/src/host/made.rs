@@ -1,7 +1,6 @@
 //! The files that a graph makes: where they go, and which of them may have their final names.
 
-use crate::output::{self, Staged, WriteError};
-use crate::words::Wrong;
+use super::output::{self, Staged, WriteError};
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use tenon_engine::{Diagnostic, File};
@@ -30,12 +29,14 @@ pub struct Made {
 
 impl Made {
     /// Where it is written.
+    #[must_use]
     pub fn path(&self) -> Option<PathBuf> {
         let target = self.target.clone()?;
         Some(if self.withheld { with_ending(&target, WITHHELD) } else { target })
     }
 
     /// Why it does not get its final name, if it does not.
+    #[must_use]
     pub fn diagnostic(&self) -> Option<Diagnostic> {
         let why = self.file.withheld.as_deref().filter(|_| self.withheld)?;
         let (node, port) = self.from.split_once('.').unwrap_or((&self.from, ""));
@@ -60,7 +61,7 @@ pub fn stage(
     files: Vec<(String, File)>,
     out: Option<&Path>,
     insist: bool,
-) -> Result<Vec<Made>, Wrong> {
+) -> Result<Vec<Made>, WriteError> {
     let mut taken: HashMap<PathBuf, String> = HashMap::new();
     let mut all = Vec::with_capacity(files.len());
     for (from, file) in files {
@@ -69,8 +70,7 @@ pub fn stage(
         let made = Made { from, file, target, withheld };
         if let Some(path) = made.path() {
             if let Some(other) = taken.insert(path.clone(), made.from.clone()) {
-                let message = format!("{other} and {} both write {}", made.from, path.display());
-                return Err(Wrong::new("same-file-name", message).hint("give one of them another name"));
+                return Err(WriteError::SameName { path, first: other, second: made.from });
             }
             staged.add(&path, &made.file.bytes)?;
         }
@@ -84,7 +84,10 @@ pub fn stage(
 /// aside under another name. A file that has its final name needs no unproven one beside it.
 ///
 /// Returns what was set aside, by its old name.
-pub fn commit(mut staged: Staged, made: &[Made], out: Option<&Path>) -> Result<Vec<PathBuf>, Wrong> {
+///
+/// # Errors
+/// If a file cannot be renamed.
+pub fn commit(mut staged: Staged, made: &[Made], out: Option<&Path>) -> Result<Vec<PathBuf>, WriteError> {
     let final_names: BTreeSet<&Path> =
         made.iter().filter(|m| !m.withheld).filter_map(|m| m.target.as_deref()).collect();
     let mut others: BTreeSet<PathBuf> = made.iter().filter(|m| m.withheld).filter_map(|m| m.target.clone()).collect();
@@ -202,7 +205,7 @@ mod tests {
         let twice = [program("a", None), program("b", None)].concat();
         let mut staged = Staged::default();
         let wrong = stage(&mut staged, twice, Some(&dir), false).unwrap_err();
-        assert_eq!(wrong.code, "same-file-name");
+        assert!(matches!(wrong, WriteError::SameName { .. }), "{wrong}");
         drop(staged);
         assert!(names(&dir).is_empty());
         fs::remove_dir_all(&dir).unwrap();

@@ -22,7 +22,26 @@ pub enum WriteError {
         /// The name as the graph gave it.
         name: String,
     },
+    /// Two writers give a file the same name.
+    SameName {
+        /// The path.
+        path: PathBuf,
+        /// `node.port` of the one.
+        first: String,
+        /// `node.port` of the other.
+        second: String,
+    },
 }
+
+impl WriteError {
+    /// Name of the kind of fault.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        if matches!(self, Self::SameName { .. }) { "same-file-name" } else { "unwritable" }
+    }
+}
+
+impl std::error::Error for WriteError {}
 
 impl std::fmt::Display for WriteError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -31,12 +50,32 @@ impl std::fmt::Display for WriteError {
             Self::Escapes { name } => {
                 write!(f, "the file name \"{name}\" is refused: it does not stay inside the output folder")
             }
+            Self::SameName { path, first, second } => {
+                write!(f, "{first} and {second} both write {}; give one of the files another name", path.display())
+            }
         }
     }
 }
 
 fn io_at(path: &Path) -> impl FnOnce(io::Error) -> WriteError + '_ {
     |error| WriteError::Io { path: path.to_owned(), error }
+}
+
+/// Writes a file under another name and gives it its name, without waiting for the disk; makes its folder. Whatever
+/// happens to this program, there is a whole file; if the machine loses power, perhaps an old one.
+///
+/// # Errors
+/// Those of the system; then the file is as it was.
+pub fn write_quickly(target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    if let Some(folder) = target.parent() {
+        fs::create_dir_all(folder).map_err(io_at(target))?;
+    }
+    let temporary = target.with_file_name(format!(".tenon-{}-quick.tmp", std::process::id()));
+    let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, target));
+    if written.is_err() {
+        let _ = fs::remove_file(&temporary);
+    }
+    written.map_err(io_at(target))
 }
 
 /// Files written under temporary names, waiting to be given their final ones. What is not committed is removed.
@@ -47,6 +86,9 @@ pub struct Staged {
 
 impl Staged {
     /// Writes and syncs `bytes` beside `target` under a temporary name; makes the folders above it.
+    ///
+    /// # Errors
+    /// Those of the system; then nothing is left behind.
     pub fn add(&mut self, target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
         if target.is_dir() {
             return Err(io_at(target)(io::ErrorKind::IsADirectory.into()));
@@ -71,6 +113,9 @@ impl Staged {
     }
 
     /// Gives all files their final names, in the order in which they were added.
+    ///
+    /// # Errors
+    /// Those of the system; files before the one that was refused have their names.
     pub fn commit(mut self) -> Result<(), WriteError> {
         for (temporary, target) in &self.files {
             fs::rename(temporary, target).map_err(io_at(target))?;
@@ -93,6 +138,9 @@ impl Drop for Staged {
 }
 
 /// Writes one file whole or not at all.
+///
+/// # Errors
+/// Those of the system; then the file is as it was.
 pub fn write_whole(target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let mut staged = Staged::default();
     staged.add(target, bytes)?;
@@ -101,6 +149,9 @@ pub fn write_whole(target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
 
 /// Makes the folder `dir` if it is not there and tries that files can be made in it, so that a long run does not end
 /// at a folder that cannot be written.
+///
+/// # Errors
+/// Those of the system.
 pub fn prepare_folder(dir: &Path) -> Result<(), WriteError> {
     fs::create_dir_all(dir).map_err(io_at(dir))?;
     let probe = dir.join(format!(".tenon-{}-probe.tmp", std::process::id()));
@@ -110,6 +161,9 @@ pub fn prepare_folder(dir: &Path) -> Result<(), WriteError> {
 
 /// The path of the file `name` inside the folder `dir`. Absolute names, `..` and empty names are refused, and so is a
 /// folder on the way that is a link out of `dir`.
+///
+/// # Errors
+/// Says so, or what the system says.
 pub fn inside(dir: &Path, name: &str) -> Result<PathBuf, WriteError> {
     let escapes = || WriteError::Escapes { name: name.to_owned() };
     let relative = Path::new(name);

@@ -1,0 +1,210 @@
+//! Opening, saving, leaving, exporting, and what is dropped on the window.
+
+use super::App;
+use crate::model::file::name_in;
+use crate::panels::{self, Browse, Browser};
+use eframe::egui::{self, Ui, ViewportCommand};
+use std::path::{Path, PathBuf};
+use tenon_engine::{Diagnostic, Operation};
+
+/// Where one goes when unsaved work is left.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Leave {
+    Quit,
+    New,
+    Open(PathBuf),
+}
+
+impl App {
+    /// Opens a graph; of one that cannot be read whole, what can be read, without its name.
+    pub fn open(&mut self, path: &Path) {
+        match self.model.open(path) {
+            Ok(()) => {
+                self.opened();
+                self.found = self.model.left_behind().is_some();
+            }
+            Err(why) => match self.model.salvage(path, &why) {
+                true => self.opened(),
+                false => {
+                    let d = why.diagnostic();
+                    let message = format!("{} was not opened: {}", path.display(), d.message);
+                    self.model.message = Some(Diagnostic { message, ..d });
+                }
+            },
+        }
+    }
+
+    /// After another graph was opened.
+    fn opened(&mut self) {
+        self.canvas.opened();
+        self.viewport.opened();
+        self.boards.opened();
+    }
+
+    pub(super) fn save(&mut self, path: Option<&Path>) -> bool {
+        if path.is_none() && self.model.path().is_none() {
+            self.browse(Browse::Save);
+            return false;
+        }
+        let saved = self.model.save(path);
+        let done = saved.is_ok();
+        self.model.message = saved.err();
+        done
+    }
+
+    pub(super) fn leave(&mut self, ui: &Ui, to: Leave) {
+        if self.model.unsaved() && self.leaving.as_ref() != Some(&to) {
+            self.leaving = Some(to);
+            return;
+        }
+        self.leaving = None;
+        self.model.forget_kept();
+        match to {
+            Leave::Quit => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
+            Leave::New => {
+                self.model.clear();
+                self.opened();
+            }
+            Leave::Open(path) => self.open(&path),
+        }
+    }
+
+    pub(super) fn browse(&mut self, what: Browse) {
+        self.browser = Some(Browser::new(what, self.model.path()));
+    }
+
+    fn ask(&mut self, ui: &Ui) {
+        let Some(to) = self.leaving.clone() else { return };
+        let mut answer = None;
+        egui::Modal::new(egui::Id::new("leaving")).show(ui.ctx(), |ui| {
+            ui.heading("The graph has changes that are not saved");
+            ui.horizontal(|ui| {
+                for (words, save) in [("Save", Some(true)), ("Discard changes", Some(false)), ("Cancel", None)] {
+                    if ui.button(words).clicked() {
+                        answer = Some(save);
+                    }
+                }
+            });
+        });
+        match answer {
+            None => {}
+            Some(None) => self.leaving = None,
+            Some(Some(false)) => self.leave(ui, to),
+            Some(Some(true)) => {
+                self.leaving = None;
+                if self.save(None) {
+                    self.leave(ui, to);
+                }
+            }
+        }
+    }
+
+    /// Asks what becomes of work that an earlier window has left behind.
+    fn ask_for_found(&mut self, ui: &Ui) {
+        let mut answer = None;
+        egui::Modal::new(egui::Id::new("found")).show(ui.ctx(), |ui| {
+            ui.heading("An earlier window ended without saving its work on this graph");
+            ui.horizontal(|ui| {
+                for (words, take) in [("Recover it", true), ("Throw it away", false)] {
+                    if ui.button(words).clicked() {
+                        answer = Some(take);
+                    }
+                }
+            });
+        });
+        match answer {
+            None => return,
+            Some(true) => match self.model.recover() {
+                Ok(()) => self.model.forget_kept(),
+                Err(e) => self.model.message = Some(e),
+            },
+            Some(false) => self.model.forget_kept(),
+        }
+        self.found = false;
+    }
+
+    /// Takes the state folder of this user: recent graphs, preferences, and unsaved work of graphs without a file.
+    pub fn remember_in(&mut self, folder: Option<PathBuf>) {
+        self.model.state = folder;
+        self.model.remember();
+        self.found |= self.model.left_behind().is_some();
+    }
+
+    /// Takes a file that was dropped on the window: a plugin is loaded, a mesh or a picture is shown or read, everything else
+    /// is opened as a graph.
+    pub fn dropped(&mut self, ui: &Ui, path: &Path) {
+        let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+        match ending.as_str() {
+            e if e == std::env::consts::DLL_EXTENSION => self.load_plugin(path),
+            "obj" => self.read_mesh(path),
+            _ => self.leave(ui, Leave::Open(path.to_owned())),
+        }
+    }
+
+    fn load_plugin(&mut self, path: &Path) {
+        self.model.message = self.model.load_plugins(&[path.to_owned()], &[]).err();
+    }
+
+    /// Adds the node that reads a mesh.
+    fn read_mesh(&mut self, path: &Path) {
+        let name = name_in(self.model.path(), path);
+        let (id, add) = self.model.new_node("read_mesh", self.canvas.middle());
+        let set = Operation::SetParam { node: id.clone(), port: "path".into(), value: Some(name.into()) };
+        if self.model.edit(Operation::All(vec![add, set])) {
+            self.model.selection = [id].into();
+        }
+    }
+
+    /// Does what a file was chosen for.
+    fn chosen(&mut self, ui: &Ui, what: Browse, path: &Path) {
+        match what {
+            Browse::Open => self.leave(ui, Leave::Open(path.to_owned())),
+            Browse::Save => {
+                self.save(Some(path));
+            }
+            Browse::Input { node, port } => {
+                let value = Some(name_in(self.model.path(), path).into());
+                self.model.edit(Operation::SetParam { node, port, value });
+            }
+            Browse::Plugin => self.load_plugin(path),
+            Browse::Reference | Browse::Picture => {}
+            Browse::Export => match self.model.export(path) {
+                Ok(said) => self.said = Some(said),
+                Err(e) => self.model.message = Some(e),
+            },
+        }
+    }
+
+    pub(super) fn files(&mut self, ui: &Ui) {
+        if self.found {
+            self.ask_for_found(ui);
+        } else if let Some(soon) = self.model.keep() {
+            ui.ctx().request_repaint_after(soon);
+        }
+        for path in ui.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect::<Vec<_>>()) {
+            self.dropped(ui, &path);
+        }
+        if let Some(what) = self.model.wanted_file.take() {
+            self.browse(Browse::Input { node: what.0, port: what.1 });
+        }
+        if let Some(mut browser) = self.browser.take() {
+            match browser.show(ui) {
+                panels::Chosen::Nothing => self.browser = Some(browser),
+                panels::Chosen::Closed => {}
+                panels::Chosen::Path(path) => self.chosen(ui, browser.what.clone(), &path),
+            }
+        }
+        self.ask(ui);
+        if ui.input(|i| i.viewport().close_requested()) && self.leaving != Some(Leave::Quit) && self.model.unsaved() {
+            ui.ctx().send_viewport_cmd(ViewportCommand::CancelClose);
+            self.leaving = Some(Leave::Quit);
+        }
+        let name =
+            self.model.path().and_then(Path::file_name).and_then(|n| n.to_str()).unwrap_or("new graph").to_owned();
+        let title = format!("{}{name} — Tenon", if self.model.unsaved() { "• " } else { "" });
+        if title != self.title {
+            ui.ctx().send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Keys that mean the same everywhere in the window.
+
+use super::App;
+use super::files::Leave;
+use crate::panels::Browse;
+use eframe::egui::{self, Key, KeyboardShortcut, Modifiers, Ui};
+use tenon_engine::NodeState;
+
+pub(super) const fn command(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND, key)
+}
+
+pub(super) const UNDO: KeyboardShortcut = command(Key::Z);
+pub(super) const REDO: KeyboardShortcut = command(Key::Y);
+pub(super) const REDO_TOO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
+pub(super) const SAVE: KeyboardShortcut = command(Key::S);
+pub(super) const SAVE_AS: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::S);
+pub(super) const OPEN: KeyboardShortcut = command(Key::O);
+pub(super) const NEW: KeyboardShortcut = command(Key::N);
+pub(super) const ALL: KeyboardShortcut = command(Key::A);
+pub(super) const DUPLICATE: KeyboardShortcut = command(Key::D);
+pub(super) const GROUP: KeyboardShortcut = command(Key::G);
+pub(super) const PREVIEW: KeyboardShortcut = command(Key::Q);
+pub(super) const ENABLE: KeyboardShortcut = command(Key::E);
+pub(super) const FREEZE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::E);
+
+impl App {
+    /// Keys that mean the same everywhere in the window, unless somebody types.
+    pub(super) fn keys(&mut self, ui: &Ui) {
+        let pressed = |keys| ui.input_mut(|i| i.consume_shortcut(&keys));
+        if pressed(SAVE_AS) {
+            self.browse(Browse::Save);
+        } else if pressed(SAVE) {
+            self.save(None);
+        }
+        if pressed(OPEN) {
+            self.browse(Browse::Open);
+        }
+        if pressed(NEW) {
+            self.leave(ui, Leave::New);
+        }
+        if ui.input(|i| i.key_pressed(Key::F1)) {
+            self.help = !self.help;
+        }
+        if ui.ctx().egui_wants_keyboard_input() || self.canvas.is_typing() {
+            return;
+        }
+        if pressed(REDO_TOO) || pressed(REDO) {
+            self.model.redo();
+        } else if pressed(UNDO) {
+            self.model.undo();
+        }
+        if pressed(ALL) {
+            self.model.selection = self.model.document().nodes().keys().cloned().collect();
+        }
+        if pressed(DUPLICATE) && !self.model.selection.is_empty() {
+            self.model.message = self.model.duplicate([40.0, 40.0]).err();
+        }
+        if pressed(GROUP) {
+            self.group();
+        }
+        if pressed(PREVIEW) {
+            self.model.toggle_preview();
+        }
+        if pressed(FREEZE) {
+            self.model.toggle_state(NodeState::Frozen);
+        } else if pressed(ENABLE) {
+            self.model.toggle_state(NodeState::Disabled);
+        }
+        if ui.input(|i| i.modifiers.alt && i.key_pressed(Key::ArrowLeft)) && !self.model.trail().is_empty() {
+            self.model.leave_to(self.model.trail().len() - 1);
+            self.canvas.opened();
+        }
+        if ui.input(|i| i.modifiers.is_none() && i.key_pressed(Key::Enter))
+            && let (1, Some(id)) = (self.model.selection.len(), self.model.selection.first().cloned())
+            && self.model.document().nodes().get(&id).is_some_and(|n| n.cluster().is_some())
+        {
+            match self.model.enter(&id) {
+                Ok(()) => self.canvas.opened(),
+                Err(e) => self.model.message = Some(e),
+            }
+        }
+        if ui.input(|i| i.key_pressed(Key::Delete) || i.key_pressed(Key::Backspace)) {
+            self.model.delete_selection();
+        }
+        if ui.input(|i| i.key_pressed(Key::Escape)) && !self.model.cancel() {
+            self.model.selection.clear();
+        }
+        if ui.input(|i| i.key_pressed(Key::F5)) {
+            self.model.again();
+        }
+        for event in ui.input(|i| i.events.clone()) {
+            match event {
+                egui::Event::Copy => self.copy(ui),
+                egui::Event::Cut => {
+                    self.copy(ui);
+                    self.model.delete_selection();
+                }
+                egui::Event::Paste(text) => self.model.message = self.model.paste(&text, [40.0, 40.0]).err(),
+                _ => {}
+            }
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! The window: menus, canvas, viewport, panels, keys. Everything that it does goes to the model.
+
+mod files;
+mod keys;
+mod menus;
+mod status;
+
+use crate::boards::BoardView;
+use crate::canvas::Canvas;
+use crate::model::Model;
+use crate::panels::{self, Browser, Lower};
+use crate::viewport::{self, Viewport};
+use eframe::egui::{self, Key, Ui};
+use files::Leave;
+use std::path::Path;
+
+/// The editor's window.
+pub struct App {
+    /// What is worked on.
+    pub model: Model,
+    /// Nodes and wires.
+    pub canvas: Canvas,
+    /// What nodes make.
+    pub viewport: Viewport,
+    /// Parts on boards, and the player.
+    pub boards: BoardView,
+    /// What stands beside the canvas.
+    pub side: Side,
+    /// What stands below the canvas.
+    pub lower: Lower,
+    browser: Option<Browser>,
+    help: bool,
+    /// A question that must be answered before unsaved work is left.
+    leaving: Option<Leave>,
+    /// The graphics card, or why there is none.
+    card: String,
+    has_card: bool,
+    title: String,
+    /// Unsaved work of an earlier window was found, and nobody has said yet what becomes of it.
+    found: bool,
+    /// What was done last, where it cannot be seen otherwise.
+    said: Option<String>,
+}
+
+/// What stands beside the canvas.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// What nodes make, in space.
+    Space,
+    /// Parts on boards.
+    Boards,
+}
+
+impl App {
+    /// The window's content; opens `graph` if one is given.
+    ///
+    /// # Errors
+    /// If the system gives no thread for evaluation.
+    pub fn new(cc: &eframe::CreationContext<'_>, graph: Option<&Path>) -> std::io::Result<Self> {
+        let ctx = cc.egui_ctx.clone();
+        // A second pass over the same input would do twice what a key or a click asks for.
+        ctx.options_mut(|o| o.max_passes = std::num::NonZeroUsize::MIN);
+        let card = cc.wgpu_render_state.as_ref().map(viewport::install);
+        let mut app = Self {
+            model: Model::new(move || ctx.request_repaint())?,
+            canvas: Canvas::default(),
+            viewport: Viewport::default(),
+            boards: BoardView::default(),
+            side: Side::Space,
+            lower: Lower::default(),
+            browser: None,
+            help: false,
+            leaving: None,
+            has_card: card.is_some(),
+            card: card.unwrap_or_else(|| "no graphics".into()),
+            title: String::new(),
+            found: false,
+            said: None,
+        };
+        if let Some(graph) = graph {
+            app.open(graph);
+        }
+        Ok(app)
+    }
+
+    fn side(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            ui.selectable_value(&mut self.side, Side::Space, "Space");
+            ui.selectable_value(&mut self.side, Side::Boards, "Boards");
+        });
+        let keys = ui.rect_contains_pointer(ui.max_rect()) && !ui.ctx().egui_wants_keyboard_input();
+        let fit = keys && ui.input(|i| i.key_pressed(Key::F));
+        match self.side {
+            Side::Boards => {
+                if fit {
+                    self.boards.show_all();
+                }
+                self.boards.show(ui, &mut self.model, &mut self.viewport.picked);
+            }
+            Side::Space if self.has_card => {
+                if fit {
+                    self.viewport.show_all();
+                }
+                self.viewport.show(ui, &mut self.model);
+            }
+            Side::Space => {
+                ui.centered_and_justified(|ui| ui.label("no graphics: the viewport cannot be shown"));
+            }
+        }
+    }
+
+    /// Where one is inside clusters, and the way out.
+    fn trail(&mut self, ui: &mut Ui) {
+        let trail = self.model.trail().to_vec();
+        let Some(last) = trail.last() else { return };
+        let mut leave = None;
+        ui.horizontal_wrapped(|ui| {
+            if ui.button("Whole graph").on_hover_text("Alt and the left arrow: one step out").clicked() {
+                leave = Some(0);
+            }
+            for (depth, e) in trail.iter().enumerate().take(trail.len() - 1) {
+                ui.label("›");
+                if ui.button(&e.cluster).clicked() {
+                    leave = Some(depth + 1);
+                }
+            }
+            ui.label("›");
+            let id = egui::Id::new("cluster-name");
+            let mut name = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| last.cluster.clone());
+            let field = ui.add(egui::TextEdit::singleline(&mut name).desired_width(140.0).id(id.with("field")));
+            field.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::TextEdit, true, "name of the cluster"));
+            if field.has_focus() {
+                ui.data_mut(|d| d.insert_temp(id, name.clone()));
+            }
+            if field.lost_focus() {
+                ui.data_mut(|d| d.remove::<String>(id));
+                if name.trim() != last.cluster && !ui.input(|i| i.key_pressed(Key::Escape)) {
+                    self.model.message = self.model.rename_cluster(&last.cluster, name.trim()).err();
+                }
+            }
+            ui.weak(format!("seen through {}", last.path));
+        });
+        if let Some(depth) = leave {
+            self.model.leave_to(depth);
+            self.canvas.opened();
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        self.model.poll();
+        self.keys(ui);
+        egui::Panel::top("menus").show(ui, |ui| self.menus(ui));
+        egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
+        let width = ui.available_width();
+        egui::Panel::right("right").default_size(width * 0.45).min_size(160.0).show(ui, |ui| {
+            egui::Panel::bottom("inspector")
+                .resizable(true)
+                .min_size(150.0)
+                .default_size(ui.available_height() * 0.34)
+                .show(ui, |ui| {
+                    panels::inspector(ui, &mut self.model);
+                });
+            egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.side(ui));
+        });
+        if self.lower.tab.is_some() {
+            egui::Panel::bottom("lower").resizable(true).default_size(200.0).show(ui, |ui| {
+                if let Some(node) = self.lower.show(ui, &self.model) {
+                    let depth = self.model.trail().len();
+                    self.model.go_to(&node);
+                    if self.model.trail().len() != depth {
+                        self.canvas.opened();
+                    }
+                    self.canvas.show_all();
+                }
+            });
+        }
+        if !self.model.trail().is_empty() {
+            egui::Panel::top("trail").show(ui, |ui| self.trail(ui));
+        }
+        let depth = self.model.trail().len();
+        egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.canvas.show(ui, &mut self.model));
+        if self.model.trail().len() != depth {
+            self.canvas.opened();
+        }
+        panels::help(ui, &mut self.help);
+        self.files(ui);
+        if !self.model.settled() {
+            // The worker wakes the window when it has something; this only keeps the clock of the bar going.
+            ui.ctx().request_repaint_after(std::time::Duration::from_millis(200));
+        }
+    }
+}

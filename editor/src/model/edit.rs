@@ -1,0 +1,219 @@
+//! What a hand does with nodes on the canvas, as operations: new nodes and wires, copies, clusters, groups.
+
+use super::{Model, split_layout};
+use tenon_engine::{
+    Diagnostic, Document, InterfaceInput, InterfaceOutput, Json, Literal, Node, NodeState, Operation, OuterWires, Table,
+};
+
+impl Model {
+    /// An id that no node has, made from the name of a type: `point`, `point-2` …
+    #[must_use]
+    pub fn free_id(&self, type_name: &str) -> String {
+        let stem = type_name.strip_prefix("cluster:").unwrap_or(type_name).replace(['.', '/'], "_");
+        let taken = |id: &str| self.document().nodes().contains_key(id);
+        if !taken(&stem) {
+            return stem;
+        }
+        (2u64..).map(|n| format!("{stem}-{n}")).find(|id| !taken(id)).unwrap_or(stem)
+    }
+
+    /// The operation that adds a node of a type at a place, and the id that it gets.
+    #[must_use]
+    pub fn new_node(&self, type_name: &str, at: [f64; 2]) -> (String, Operation) {
+        let id = self.free_id(type_name);
+        let mut node = Node::new(type_name);
+        node.version = self.catalog.get(type_name).map_or(1, |t| t.version);
+        let add = Operation::AddNode { id: id.clone(), node: Box::new(node) };
+        let put = Operation::Move { node: id.clone(), to: Some(at.map(f64::round)) };
+        (id, Operation::All(vec![add, put]))
+    }
+
+    /// The operation that brings a wire from an output to an input: at an input for single items it takes the place of
+    /// the one that was there, at one for lists it comes last.
+    #[must_use]
+    pub fn new_wire(&self, from: &str, node: &str, port: &str) -> Operation {
+        let connect = Operation::Connect { node: node.into(), port: port.into(), from: from.into(), at: None };
+        let there = self.document().nodes().get(node).and_then(|n| n.inputs.get(port)).map_or(&[][..], |w| &w.from);
+        let info = self.document().nodes().get(node).map(|n| self.catalog.of(n));
+        let single = info.and_then(|t| t.inputs.iter().find(|p| p.name == port).map(|p| p.access))
+            == Some(tenon_engine::Access::Item);
+        if !single || there.is_empty() {
+            return connect;
+        }
+        let gone =
+            there.iter().map(|f| Operation::Disconnect { node: node.into(), port: port.into(), from: f.to_string() });
+        Operation::All(gone.chain([connect]).collect())
+    }
+
+    /// The selected nodes as the text of a graph, for the clipboard; `None` if nothing is selected.
+    #[must_use]
+    pub fn copy(&self) -> Option<String> {
+        let ids: Vec<&str> = self.selection.iter().map(String::as_str).collect();
+        let fragment = self.document().copy(&ids).ok().filter(|_| !ids.is_empty())?;
+        let mut text = fragment.to_string_canonical();
+        // The layout follows the graph in the same text, as a second value.
+        text.push_str(&fragment.layout_to_string());
+        Some(text)
+    }
+
+    /// Puts copied nodes into the graph, moved by `offset`, and selects them.
+    ///
+    /// # Errors
+    /// If the text is no graph, or what it says is refused.
+    pub fn paste(&mut self, text: &str, offset: [f64; 2]) -> Result<(), Diagnostic> {
+        let (graph, layout) = split_layout(text);
+        let mut fragment = Document::from_slice(graph.as_bytes()).map_err(|all| {
+            let first = all.into_iter().next().map_or_else(String::new, |d| d.message);
+            Diagnostic::error("no-graph", format!("what was copied is no graph: {first}"))
+        })?;
+        if !layout.is_empty() {
+            fragment.read_layout(layout.as_bytes())?;
+        }
+        self.insert(&fragment, OuterWires::Keep, offset)
+    }
+
+    fn insert(&mut self, fragment: &Document, outer: OuterWires, offset: [f64; 2]) -> Result<(), Diagnostic> {
+        let paste = self.document().paste(fragment, outer, offset);
+        self.apply(paste.operation)?;
+        self.selection = paste.ids.into_values().collect();
+        Ok(())
+    }
+
+    /// Puts copies of the selected nodes beside them and selects those.
+    ///
+    /// # Errors
+    /// If the document refuses them.
+    pub fn duplicate(&mut self, offset: [f64; 2]) -> Result<(), Diagnostic> {
+        let ids: Vec<&str> = self.selection.iter().map(String::as_str).collect();
+        let fragment = self.document().copy(&ids)?;
+        self.insert(&fragment, OuterWires::Keep, offset)
+    }
+
+    /// Removes the selected nodes with their wires.
+    pub fn delete_selection(&mut self) {
+        let all = self.selection.iter().map(|id| Operation::RemoveNode { id: id.clone() }).collect();
+        if !self.selection.is_empty() {
+            self.edit(Operation::All(all));
+        }
+    }
+
+    /// Makes a cluster of the selected nodes, with one instance in their place, and selects that.
+    ///
+    /// # Errors
+    /// If a port takes wires both from selected nodes and from others.
+    pub fn gather(&mut self) -> Result<(), Diagnostic> {
+        let ids: Vec<&str> = self.selection.iter().map(String::as_str).collect();
+        let places: Vec<[f64; 2]> = ids.iter().filter_map(|id| self.document().position(id)).collect();
+        let taken = |n: &str| self.document().clusters.contains_key(n) || self.document().nodes().contains_key(n);
+        let name = (1u64..).map(|n| format!("cluster-{n}")).find(|n| !taken(n)).unwrap_or_default();
+        let gather = self.document().gather(&ids, &name, &name)?;
+        let middle = [0, 1].map(|k| (places.iter().map(|p| p[k]).sum::<f64>() / places.len().max(1) as f64).round());
+        let put = Operation::Move { node: name.clone(), to: Some(middle) };
+        self.apply(Operation::All(vec![gather, put]))?;
+        self.selection = [name].into();
+        Ok(())
+    }
+
+    /// Puts the nodes of a cluster in the place of one of its instances and selects them.
+    ///
+    /// # Errors
+    /// If it is no instance, or its definition cannot be used.
+    pub fn explode(&mut self, instance: &str) -> Result<(), Diagnostic> {
+        let paste = self.document().explode(instance, &self.registry)?;
+        self.apply(paste.operation)?;
+        self.selection = paste.ids.into_values().collect();
+        Ok(())
+    }
+
+    /// What a node's parameter is set to.
+    #[must_use]
+    pub fn param(&self, id: &str, port: &str) -> Option<Json> {
+        self.document().nodes().get(id)?.params.get(port).map(Literal::to_json)
+    }
+
+    /// Shows what the selected nodes make, or hides it if all of them are shown.
+    pub fn toggle_preview(&mut self) {
+        let all: Vec<String> = self.selection.iter().cloned().collect();
+        let shown = all.iter().all(|id| self.previews(id));
+        all.iter().for_each(|id| self.set_preview(id, !shown));
+    }
+
+    /// Brings the selected nodes into a state, or back to running if all of them are in it.
+    pub fn toggle_state(&mut self, state: NodeState) {
+        let nodes = self.document().nodes();
+        let all = self.selection.iter().filter_map(|id| Some((id, nodes.get(id)?.state)));
+        let now: Vec<(String, NodeState)> = all.map(|(id, s)| (id.clone(), s)).collect();
+        let to = if now.iter().all(|(_, s)| *s == state) { NodeState::On } else { state };
+        let set = |(node, _)| Operation::SetState { node, state: to };
+        if !now.is_empty() {
+            self.edit(Operation::All(now.into_iter().map(set).collect()));
+        }
+    }
+
+    /// A name of an interface input or output that is not taken, made from that of a port.
+    #[must_use]
+    pub fn free_name(&self, port: &str) -> String {
+        let taken = |n: &str| self.document().inputs.contains_key(n) || self.document().outputs.contains_key(n);
+        if !taken(port) {
+            return port.to_owned();
+        }
+        (2u64..).map(|n| format!("{port}_{n}")).find(|n| !taken(n)).unwrap_or_default()
+    }
+
+    /// The operation that makes a port an input or output of the graph (or of the cluster that is worked on), or takes that
+    /// back if it is one.
+    #[must_use]
+    pub fn toggle_exposed(&self, node: &str, port: &str, output: bool) -> Operation {
+        let address = format!("{node}.{port}");
+        let document = self.document();
+        if output {
+            let there = document.outputs.iter().find(|(_, o)| o.port == address).map(|(n, _)| n.clone());
+            let mut bound = InterfaceOutput::default();
+            (bound.port, bound.unit) = (address, None);
+            return match there {
+                Some(name) => Operation::SetOutput { name, output: None },
+                None => Operation::SetOutput { name: self.free_name(port), output: Some(bound) },
+            };
+        }
+        match document.inputs.iter().find(|(_, i)| i.ports.contains(&address)) {
+            Some((name, input)) => {
+                let mut input = input.clone();
+                input.ports.retain(|p| *p != address);
+                Operation::SetInput { name: name.clone(), input: Some(input).filter(|i| !i.ports.is_empty()) }
+            }
+            None => {
+                let info = document.nodes().get(node).map(|n| self.catalog.of(n));
+                let unit = info.and_then(|t| t.inputs.iter().find(|p| p.name == port).map(|p| p.unit.clone()));
+                let mut input = InterfaceInput::default();
+                (input.ports, input.unit) = (vec![address], unit.filter(|u| !u.is_empty()));
+                Operation::SetInput { name: self.free_name(port), input: Some(input) }
+            }
+        }
+    }
+
+    /// The operation that changes one key of a group; none takes it away. O(group).
+    #[must_use]
+    pub fn set_in_group(&self, group: &str, key: &str, value: Option<Json>) -> Operation {
+        let mut entry = self.document().groups.get(group).cloned().unwrap_or_default();
+        if let Some(object) = entry.as_object_mut() {
+            match value {
+                Some(value) => drop(object.insert(key.to_owned(), value)),
+                None => drop(object.remove(key)),
+            }
+        }
+        Operation::SetEntry { table: Table::Groups, key: group.to_owned(), value: Some(entry) }
+    }
+
+    /// The operation that puts a reroute point into a wire.
+    #[must_use]
+    pub fn reroute(&self, from: &str, node: &str, port: &str, at: [f64; 2]) -> Operation {
+        let (id, add) = self.new_node("reroute", at);
+        let wires = self.document().nodes().get(node).and_then(|n| n.inputs.get(port));
+        let place = wires.and_then(|w| w.from.iter().position(|f| f.as_str() == from));
+        let (node, port) = (node.to_owned(), port.to_owned());
+        let gone = Operation::Disconnect { node: node.clone(), port: port.clone(), from: from.to_owned() };
+        let to = Operation::Connect { node: id.clone(), port: "value".into(), from: from.to_owned(), at: None };
+        let on = Operation::Connect { node, port, from: format!("{id}.value"), at: place };
+        Operation::All(vec![add, gone, to, on])
+    }
+}

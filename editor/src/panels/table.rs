@@ -1,0 +1,269 @@
+//! Lists that stand at an input, as a table: points with their weights, numbers, texts. Rows are typed, turned, added, moved
+//! and taken away.
+
+use crate::model::Model;
+use crate::model::catalog::PortInfo;
+use crate::model::param::number;
+use eframe::egui::{Button, DragValue, Key, Rect, Response, ScrollArea, TextEdit, Ui, WidgetInfo, WidgetType, Window};
+use tenon_engine::{Access, Json, Operation};
+
+/// What one row is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Row {
+    /// Three coordinates.
+    Point,
+    Number,
+    Integer,
+    Text,
+}
+
+fn row_of(port: &PortInfo) -> Option<Row> {
+    match port.type_name.as_str() {
+        "point" | "vector" => Some(Row::Point),
+        "number" => Some(Row::Number),
+        "integer" => Some(Row::Integer),
+        "text" => Some(Row::Text),
+        _ => None,
+    }
+}
+
+/// A list as rows of JSON values; none if it is something that a table does not show, such as a formula.
+fn rows(row: Row, value: Option<&Json>) -> Option<Vec<Json>> {
+    let Some(value) = value else { return Some(Vec::new()) };
+    let point = |v: &Json| v.as_array().is_some_and(|l| (2..=3).contains(&l.len()) && l.iter().all(Json::is_number));
+    let fits = |v: &Json| match row {
+        Row::Point => point(v),
+        Row::Number | Row::Integer => v.is_number(),
+        Row::Text => v.is_string(),
+    };
+    if fits(value) && row != Row::Text {
+        return Some(vec![value.clone()]);
+    }
+    value.as_array().filter(|l| l.iter().all(fits)).cloned()
+}
+
+/// Whether a table shows what stands at an input.
+#[must_use]
+pub fn edits(port: &PortInfo, value: Option<&Json>) -> bool {
+    port.access != Access::Item && row_of(port).is_some_and(|row| rows(row, value).is_some())
+}
+
+/// An open table.
+pub struct Table {
+    node: String,
+    port: PortInfo,
+    /// A value is being turned or typed, which is one step.
+    turning: bool,
+}
+
+/// What is done with the rows.
+enum Change {
+    /// A row has another value.
+    Set(usize, Json),
+    /// A weight has another value.
+    Weight(usize, f64),
+    Add,
+    Remove(usize),
+    Up(usize),
+}
+
+impl Table {
+    /// Opens the table of an input.
+    #[must_use]
+    pub fn new(node: String, port: PortInfo) -> Self {
+        Self { node, port, turning: false }
+    }
+
+    /// Shows it in a window of its own; false once it is closed.
+    pub fn window(&mut self, ui: &Ui, area: Rect, model: &mut Model) -> bool {
+        let mut open = true;
+        let title = format!("{}.{}", self.node, self.port.name);
+        let window =
+            Window::new(title).open(&mut open).collapsible(false).default_pos(area.left_top()).constrain_to(area);
+        let shown = window.default_size([330.0, 260.0]).show(ui.ctx(), |ui| self.show(ui, model));
+        let there = shown.is_none_or(|s| s.inner.unwrap_or(true));
+        let escaped = ui.input(|i| i.key_pressed(Key::Escape)) && !ui.ctx().egui_wants_keyboard_input();
+        let goes_on = open && there && !escaped;
+        if !goes_on && self.turning {
+            model.end();
+        }
+        goes_on
+    }
+
+    /// Shows the rows; false if there is no such list any more.
+    fn show(&mut self, ui: &mut Ui, model: &mut Model) -> bool {
+        let Some(node) = model.document().nodes().get(&self.node) else { return false };
+        let value = model.param(&self.node, &self.port.name).or_else(|| self.port.default.clone());
+        let Some((row, list)) = row_of(&self.port).and_then(|row| Some((row, rows(row, value.as_ref())?))) else {
+            return false;
+        };
+        let weighted = model.catalog.of(node).inputs.iter().any(|p| p.name == "weights") && self.port.name == "points";
+        let weights = weighted.then(|| weights(model.param(&self.node, "weights").as_ref(), list.len()));
+        ui.weak(&self.port.doc);
+        let (mut change, mut busy) = (None, false);
+        let height = ui.spacing().interact_size.y;
+        let room = (ui.ctx().content_rect().height() - 240.0).clamp(80.0, 360.0);
+        ScrollArea::vertical().max_height(room).show_rows(ui, height, list.len(), |ui, seen| {
+            for i in seen {
+                let Some(item) = list.get(i) else { continue };
+                ui.horizontal(|ui| {
+                    ui.monospace(format!("{:>3}", i + 1));
+                    let (new, turned) = cells(ui, row, i, item, &self.port.unit);
+                    busy |= turned;
+                    change = new.map(|v| Change::Set(i, v)).or(change.take());
+                    if let Some(w) = weights.as_ref().and_then(|w| w.get(i)) {
+                        let mut w = *w;
+                        let field = ui.add(DragValue::new(&mut w).speed(0.01).range(1e-6..=1e6).prefix("w "));
+                        named(&field, format!("weight of {}", i + 1));
+                        busy |= field.dragged() || field.has_focus();
+                        if field.changed() {
+                            change = Some(Change::Weight(i, w));
+                        }
+                    }
+                    if ui.add_enabled(i > 0, Button::new("↑").small()).on_hover_text("one up").clicked() {
+                        change = Some(Change::Up(i));
+                    }
+                    if ui.small_button("×").on_hover_text("take it away").clicked() {
+                        change = Some(Change::Remove(i));
+                    }
+                });
+            }
+        });
+        ui.horizontal(|ui| {
+            if ui.button("Add a row").clicked() {
+                change = Some(Change::Add);
+            }
+            ui.weak(format!("{} rows", list.len()));
+        });
+        if busy && !self.turning {
+            model.begin();
+        }
+        if let Some(change) = change {
+            self.apply(model, row, list, weights, change);
+        }
+        if !busy && self.turning {
+            model.end();
+        }
+        self.turning = busy;
+        true
+    }
+
+    fn apply(&self, model: &mut Model, row: Row, mut list: Vec<Json>, weights: Option<Vec<f64>>, change: Change) {
+        // Weights that are all 1 need not stand in the file.
+        let (mut all, plain) = (weights.unwrap_or_default(), |w: &[f64]| w.iter().all(|w| *w == 1.0));
+        let was = all.clone();
+        match change {
+            Change::Set(i, value) => list[i] = value,
+            Change::Weight(i, w) => all[i] = w,
+            Change::Add => {
+                list.push(next(row, &list));
+                all.extend((!was.is_empty() || list.len() == 1).then_some(1.0));
+            }
+            Change::Remove(i) => {
+                list.remove(i);
+                if i < all.len() {
+                    all.remove(i);
+                }
+            }
+            Change::Up(i) => {
+                list.swap(i - 1, i);
+                if i < all.len() {
+                    all.swap(i - 1, i);
+                }
+            }
+        }
+        let set = |port: &str, value| Operation::SetParam { node: self.node.clone(), port: port.to_owned(), value };
+        let mut operations = vec![set(&self.port.name, Some(list.into_iter().collect()))];
+        if all != was && !(plain(&all) && plain(&was)) {
+            let value = (!plain(&all)).then(|| all.into_iter().map(number).collect());
+            operations.push(set("weights", value));
+        }
+        model.edit(Operation::All(operations));
+    }
+}
+
+fn named(response: &Response, name: String) {
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::DragValue, true, &name));
+}
+
+/// The fields of a row; gives its new value if it has one, and whether it is being turned or typed.
+fn cells(ui: &mut Ui, row: Row, i: usize, item: &Json, unit: &str) -> (Option<Json>, bool) {
+    let (mut new, mut busy) = (None, false);
+    match row {
+        Row::Point => {
+            let mut p = [0.0; 3];
+            for (slot, v) in p.iter_mut().zip(item.as_array().into_iter().flatten()) {
+                *slot = v.as_f64().unwrap_or_default();
+            }
+            for (axis, slot) in ["x", "y", "z"].into_iter().zip(&mut p) {
+                let field = ui.add(DragValue::new(slot).speed(1.0).max_decimals(3).prefix(format!("{axis} ")));
+                named(&field, format!("{axis} of {}", i + 1));
+                busy |= field.dragged() || field.has_focus();
+                if field.changed() {
+                    new = Some(());
+                }
+            }
+            (new.map(|()| p.into_iter().map(number).collect()), busy)
+        }
+        Row::Number | Row::Integer => {
+            let mut v = item.as_f64().unwrap_or_default();
+            let whole = row == Row::Integer;
+            let field =
+                DragValue::new(&mut v).max_decimals(if whole { 0 } else { 6 }).speed(if whole { 0.2 } else { 0.1 });
+            let field = ui.add(if unit.is_empty() { field } else { field.suffix(format!(" {unit}")) });
+            named(&field, format!("value {}", i + 1));
+            (field.changed().then(|| number(v)), field.dragged() || field.has_focus())
+        }
+        Row::Text => {
+            let mut text = item.as_str().unwrap_or_default().to_owned();
+            let field = ui.add(TextEdit::singleline(&mut text).desired_width(170.0));
+            (field.changed().then(|| text.into()), field.has_focus())
+        }
+    }
+}
+
+/// The weights of so many points; 1 where none is set.
+fn weights(value: Option<&Json>, count: usize) -> Vec<f64> {
+    let set = value.and_then(Json::as_array);
+    (0..count).map(|i| set.and_then(|l| l.get(i)).and_then(Json::as_f64).unwrap_or(1.0)).collect()
+}
+
+/// What a new row begins with: a point goes on from the last two, everything else repeats the last.
+fn next(row: Row, list: &[Json]) -> Json {
+    let xyz = |v: &Json| [0, 1, 2].map(|k| v.get(k).and_then(Json::as_f64).unwrap_or_default());
+    match (row, list) {
+        (Row::Point, [.., a, b]) => {
+            let (a, b) = (xyz(a), xyz(b));
+            (0..3).map(|k| number(2.0 * b[k] - a[k])).collect()
+        }
+        (Row::Point, [a]) => {
+            let a = xyz(a);
+            [a[0] + 1000.0, a[1], a[2]].into_iter().map(number).collect()
+        }
+        (Row::Point, []) => [0.0; 3].into_iter().map(number).collect(),
+        (_, [.., last]) => last.clone(),
+        (Row::Text, []) => "".into(),
+        (Row::Number | Row::Integer, []) => 0.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn lists_become_rows_and_formulas_do_not() {
+        assert_eq!(rows(Row::Point, Some(&json!([[0, 0], [1, 2, 3]]))).map(|r| r.len()), Some(2));
+        assert_eq!(rows(Row::Point, Some(&json!([1, 2, 3]))), Some(vec![json!([1, 2, 3])]));
+        assert_eq!(rows(Row::Number, Some(&json!([1, 2, 3]))).map(|r| r.len()), Some(3));
+        assert_eq!(rows(Row::Number, Some(&json!("t * 2"))), None);
+        assert_eq!(rows(Row::Number, None), Some(vec![]));
+    }
+
+    #[test]
+    fn a_new_point_goes_on_where_the_others_lead() {
+        assert_eq!(next(Row::Point, &[json!([0, 0, 0]), json!([10, 5])]), json!([20, 10, 0]));
+        assert_eq!(next(Row::Number, &[json!(4)]), json!(4));
+    }
+}
