@@ -94,8 +94,10 @@ fn what_a_missing_plugin_would_bring_is_told_at_the_node() {
   "version": 1
 }"#;
     let mut w = Window::open(Some(&graph("missing", text)));
-    let told: Vec<String> = w.app().model.results.of_node("fix").map(|d| d.message.clone()).collect();
-    assert!(told.iter().any(|m| m.contains("plugin cams")), "{told:?}");
+    let all = w.app().model.results.diagnostics.clone();
+    assert!(all.iter().any(|d| d.message.contains("plugin cams")), "{all:?}");
+    let at_node = w.app().model.results.of_node("fix").find_map(|d| d.hint.clone());
+    assert!(at_node.is_some_and(|hint| hint.contains("cams")), "{all:?}");
     w.picture("missing-plugin");
     // A library that is no plugin is refused, and everything stays.
     let path = w.app().model.path().unwrap().with_file_name(format!("bad.{}", std::env::consts::DLL_EXTENSION));

@@ -124,6 +124,7 @@ impl Model {
     }
 
     fn take(&mut self, mut document: Document, path: Option<PathBuf>) {
+        self.load_if_others(&document.requires);
         self.saved = (document.to_string_canonical_for(&self.registry), document.layout_to_string());
         // The session migrates its copy in the same way, and tells what fails.
         document.migrate(&self.registry);
@@ -133,7 +134,6 @@ impl Model {
         self.catalog.take_clusters(&document, &self.registry);
         self.document = document;
         self.inside.clear();
-        self.look_for_plugins();
         self.history = History::default();
         self.selection.clear();
         self.previews.clear();
@@ -251,9 +251,6 @@ impl Model {
             self.catalog.take_clusters(&self.document, &self.registry);
             self.leave_what_is_gone();
         }
-        if !self.plugins.missing.is_empty() {
-            self.look_for_plugins();
-        }
         let mut selection = std::mem::take(&mut self.selection);
         selection.retain(|id| self.document().nodes().contains_key(id));
         self.selection = selection;
@@ -319,9 +316,6 @@ impl Model {
                 self.worker.open(self.registry.clone(), self.document.clone(), self.host());
             }
             self.results.take(update);
-        }
-        if news {
-            self.results.add(&self.plugins.missing);
         }
         news
     }

@@ -3,10 +3,11 @@
 
 use super::Model;
 use super::catalog::Catalog;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tenon_engine::{Diagnostic, Registry};
-use tenon_nodes::plugin::{Found, load_all};
+use tenon_engine::{Diagnostic, Json, Registry};
+use tenon_nodes::plugin::{Found, Wanted, load_all};
 
 /// What is loaded besides the built-in nodes, and from where.
 #[derive(Default)]
@@ -16,24 +17,26 @@ pub struct Plugins {
     /// Folders that are searched.
     pub folders: Vec<PathBuf>,
     found: Found,
-    /// What the graph requires and is not there.
-    pub(super) missing: Vec<Diagnostic>,
+    /// The requirements that they were loaded for.
+    loaded_for: Option<BTreeMap<String, Json>>,
 }
 
 impl Plugins {
-    /// The built-in node types with those of all libraries that can be loaded; what is wrong with the others.
-    pub(super) fn load(&mut self) -> (Registry, Vec<Diagnostic>) {
+    /// The built-in node types with those of all libraries that can be loaded; what is wrong with the others. Nodes of
+    /// plugins that are required and not there say so themselves from then on.
+    pub(super) fn load(&mut self, requires: &BTreeMap<String, Json>) -> (Registry, Vec<Diagnostic>) {
+        let wanted = Wanted::new(requires, &[]);
         let (mut wrong, mut good) = (Vec::new(), Vec::new());
         for library in &self.named {
             good.push(library.clone());
-            if let Err(refused) = load_all(&mut tenon_nodes::registry(), &good, &[]) {
+            if let Err(refused) = load_all(&mut tenon_nodes::registry(), &good, &[], &wanted) {
                 wrong.push(Diagnostic::error("bad-plugin", refused.to_string()));
                 good.pop();
             }
         }
         self.named = good;
         let mut registry = tenon_nodes::registry();
-        match load_all(&mut registry, &self.named, &self.folders) {
+        match load_all(&mut registry, &self.named, &self.folders, &wanted) {
             Ok(found) => {
                 wrong.extend(found.refused.iter().map(|r| Diagnostic::error("bad-plugin", r.to_string())));
                 self.found = found;
@@ -68,11 +71,8 @@ impl Model {
         if !folders.is_empty() {
             self.plugins.folders = folders.to_vec();
         }
-        let (registry, wrong) = self.plugins.load();
-        self.registry = Arc::new(registry);
-        self.catalog = Catalog::new(&self.registry);
+        let wrong = self.load_for(&self.document.requires.clone());
         self.catalog.take_clusters(&self.document, &self.registry);
-        self.look_for_plugins();
         self.revision += 1;
         self.shown = Vec::new();
         self.show();
@@ -80,21 +80,20 @@ impl Model {
         wrong.into_iter().next().map_or(Ok(()), Err)
     }
 
-    /// Finds out what the graph requires and is not there.
-    pub(super) fn look_for_plugins(&mut self) {
-        self.plugins.missing = self.plugins.found.missing(&self.document.requires);
-        for (id, node) in self.document.nodes() {
-            let plugin = node.type_name.split_once('.').map(|(plugin, _)| plugin);
-            let unknown = plugin.filter(|_| self.catalog.get(&node.type_name).is_none());
-            let Some(plugin) = unknown else { continue };
-            let why = self.plugins.missing.iter().find(|d| d.message.contains(plugin)).cloned();
-            let message = match &why {
-                Some(why) => why.message.clone(),
-                None => format!("the node type {} would come with a plugin {plugin}", node.type_name),
-            };
-            let hint = why.and_then(|w| w.hint.map(|h| h.to_string()));
-            let hint = hint.unwrap_or_else(|| "drop the plugin's library on the window".to_owned());
-            self.plugins.missing.push(Diagnostic::error("missing-plugin", message).at(id.as_str()).hint(hint));
+    /// Takes the node types that there are for a graph with such requirements.
+    pub(super) fn load_for(&mut self, requires: &BTreeMap<String, Json>) -> Vec<Diagnostic> {
+        let (registry, wrong) = self.plugins.load(requires);
+        self.registry = Arc::new(registry);
+        self.catalog = Catalog::new(&self.registry);
+        self.plugins.loaded_for = Some(requires.clone());
+        wrong
+    }
+
+    /// The same, unless they are taken for just these already.
+    pub(super) fn load_if_others(&mut self, requires: &BTreeMap<String, Json>) {
+        let same = self.plugins.loaded_for.as_ref().map_or(requires.is_empty(), |there| there == requires);
+        if !same {
+            self.message = self.load_for(requires).into_iter().next().or(self.message.take());
         }
     }
 }

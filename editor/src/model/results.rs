@@ -100,13 +100,6 @@ impl Results {
         self.drawings = done.drawings;
     }
 
-    /// Adds what the window knows besides, such as plugins that are not there.
-    pub(super) fn add(&mut self, more: &[Diagnostic]) {
-        for new in more.iter().filter(|n| !self.diagnostics.contains(n)).cloned().collect::<Vec<_>>() {
-            self.diagnostics.insert(0, new);
-        }
-    }
-
     /// What is inside an instance counts for the instance.
     fn sum_instances(&mut self) {
         let mut sums: HashMap<String, NodeResult> = HashMap::new();
