@@ -5,6 +5,7 @@ use crate::evaluate::matching::{Arg, Lanes};
 use crate::evaluate::output::Output;
 use crate::port::{Access, Port};
 use crate::registry::NodeType;
+use crate::stop::Stoppable;
 use crate::value::{Column, Item, Text, Tree};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -12,7 +13,7 @@ use std::sync::{Arc, OnceLock};
 /// Says how far a node is and whether it should stop; a plain copy, fit for closures that run on many threads.
 #[derive(Clone, Copy)]
 pub struct Monitor<'a> {
-    pub(crate) cancel: &'a AtomicBool,
+    pub(crate) cancel: &'a Arc<AtomicBool>,
     pub(crate) report: Option<&'a (dyn Fn(f64) + Sync)>,
     /// Share of the node's work that earlier lanes have done, and that this lane is.
     pub(crate) span: (f64, f64),
@@ -167,7 +168,7 @@ impl<'a> Call<'a> {
     #[must_use]
     pub fn list_gaps<T: Item>(&self, port: &str) -> Vec<Option<&'a T>> {
         match self.arg(port) {
-            Ok(Arg::List(column)) => (0..column.len()).map(|i| column.get(i)).collect(),
+            Ok(Arg::List(column)) => (0..column.len()).stoppable().map(|i| column.get(i)).collect(),
             _ => Vec::new(),
         }
     }

@@ -13,6 +13,7 @@ mod plan;
 mod port;
 mod registry;
 mod schema;
+pub mod stop;
 pub mod sweep;
 mod value;
 

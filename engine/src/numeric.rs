@@ -1,5 +1,7 @@
 //! Plain numbers: a seeded random sequence that is the same everywhere, and the statistics of a list.
 
+use crate::stop::{Stoppable, Ticker};
+
 /// Random numbers in 0 ≤ x < 1: SplitMix64 (Steele, Lea, Flood 2014) started at `seed`, of every 64-bit number the upper
 /// 53 bits over 2⁵³. Integer arithmetic and one exact division: the same on every machine, and for ever.
 #[derive(Clone, Debug)]
@@ -55,13 +57,16 @@ impl Statistics {
         if numbers.is_empty() {
             return None;
         }
-        let mut sorted = numbers.to_vec();
-        sorted.sort_by(f64::total_cmp);
+        let (mut sorted, ticker): (Vec<f64>, _) = (numbers.iter().stoppable().copied().collect(), Ticker::new());
+        sorted.sort_by(|a, b| {
+            ticker.tick();
+            a.total_cmp(b)
+        });
         let n = sorted.len();
-        let sum: f64 = numbers.iter().sum();
+        let sum: f64 = numbers.iter().stoppable().sum();
         let mean = sum / n as f64;
         // From the mean: sums of squares would cancel where the numbers are large and near each other.
-        let variance = numbers.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n as f64;
+        let variance = numbers.iter().stoppable().map(|x| (x - mean).powi(2)).sum::<f64>() / n as f64;
         let median = if n % 2 == 1 { sorted[n / 2] } else { sorted[n / 2 - 1].midpoint(sorted[n / 2]) };
         Some(Self { sum, mean, min: sorted[0], max: sorted[n - 1], median, deviation: variance.sqrt() })
     }

@@ -2,6 +2,7 @@
 
 use crate::diagnostic::{Fail, did_you_mean};
 use crate::expression::{Dimension, Expression, Quantity};
+use crate::stop::Stoppable;
 use crate::value::item::kind_of;
 use crate::value::{Column, Item, Json, Text, Tree};
 use std::any::TypeId;
@@ -399,20 +400,20 @@ impl Port {
         let mut bad = Vec::new();
         if let Some(numbers) = column.slice::<f64>() {
             let (min, max) = self.range.unwrap_or((f64::MIN, f64::MAX));
-            for (i, v) in numbers.iter().enumerate() {
+            for (i, v) in numbers.iter().stoppable().enumerate() {
                 // NaN fails this comparison too.
                 if !(*v >= min && *v <= max) && column.is_valid(i) {
                     bad.push((i, if v.is_finite() { self.out_of_range(*v, min, max) } else { self.not_finite(*v) }));
                 }
             }
         } else if let (Some(numbers), Some((min, max))) = (column.slice::<i64>(), self.range) {
-            for (i, v) in numbers.iter().enumerate() {
+            for (i, v) in numbers.iter().stoppable().enumerate() {
                 if !(*v as f64 >= min && *v as f64 <= max) && column.is_valid(i) {
                     bad.push((i, self.out_of_range(*v as f64, min, max)));
                 }
             }
         } else if let (Some(texts), false) = (column.slice::<Text>(), self.choices.is_empty()) {
-            for (i, v) in texts.iter().enumerate() {
+            for (i, v) in texts.iter().stoppable().enumerate() {
                 if column.is_valid(i) && !self.choices.iter().any(|c| **c == *v.0) {
                     let fail = Fail::new("not-a-choice", format!("\"{v}\" is not one of {}", self.choices.join(", ")));
                     let hint = did_you_mean(&v.0, self.choices.iter().map(|c| &**c));

@@ -2,8 +2,8 @@
 
 use crate::common::*;
 use serde_json::json;
-use std::sync::Mutex;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use tenon_engine::*;
 
@@ -60,4 +60,122 @@ fn progress_grows_and_names_the_node() {
     let seen = seen.into_inner().expect("nobody panicked");
     assert!(seen.len() >= 3 && seen.len() <= 8, "{seen:?}");
     assert!(seen.windows(2).all(|w| w[0].0 <= w[1].0) && seen.iter().all(|s| s.1 == "z"), "{seen:?}");
+}
+
+/// Every item of the list that carries the fuse counts its copies; one of them stops the evaluation.
+static FUSE: Mutex<Option<(usize, Arc<AtomicBool>)>> = Mutex::new(None);
+static COPIES: AtomicUsize = AtomicUsize::new(0);
+
+#[derive(Default)]
+struct Fused(u64);
+
+impl Clone for Fused {
+    fn clone(&self) -> Self {
+        let copies = COPIES.fetch_add(1, Ordering::Relaxed) + 1;
+        if copies.is_multiple_of(128)
+            && let Some((at, flag)) = &*FUSE.lock().expect("nobody panics with it")
+            && copies >= *at
+        {
+            flag.store(true, Ordering::Relaxed);
+        }
+        Self(self.0)
+    }
+}
+
+impl Item for Fused {
+    const TYPE: &'static str = "fused";
+
+    fn digest(&self, d: &mut Digester) {
+        d.u64(self.0);
+    }
+
+    fn to_json(&self) -> Json {
+        json!(self.0)
+    }
+
+    fn from_json(_: &Json) -> Result<Self, String> {
+        Ok(Self::default())
+    }
+}
+
+const MANY: u64 = 200_000;
+
+fn fused_registry() -> Arc<Registry> {
+    let mut r = Registry::new();
+    r.register_type::<Fused>();
+    let tree = |name: &'static str| Port::tree::<Fused>(name);
+    for node in [
+        NodeType::new("many", 1).output(Port::list::<Fused>("items")).run(|c| {
+            c.set_list("items", (0..MANY).map(Fused).collect());
+            Ok(())
+        }),
+        NodeType::new("rows", 1).output(tree("tree")).run(|c| {
+            let row = |i: u64| (Path::new(vec![i as i32]), Column::new(vec![Fused(2 * i), Fused(2 * i + 1)]));
+            c.set_tree("tree", Tree::from_branches((0..MANY / 2).map(row).collect()));
+            Ok(())
+        }),
+        NodeType::new("take", 1).input(tree("in")).output(tree("tree")).run(|c| {
+            let tree = c.tree("in").clone();
+            c.set_tree("tree", tree);
+            Ok(())
+        }),
+        NodeType::new("each", 1).input(Port::item::<Fused>("in")).output(Port::item::<Fused>("out")).run(|c| {
+            let item = c.item::<Fused>("in")?.clone();
+            c.set("out", item);
+            Ok(())
+        }),
+        NodeType::new("pick", 1).input(Port::any("in", Access::List)).output(Port::any("out", Access::List)).run(|c| {
+            let list = c.column("in")?;
+            let picked = list.pick(&(0..list.len()).map(Some).collect::<Vec<_>>());
+            c.set_column("out", picked);
+            Ok(())
+        }),
+    ] {
+        r.register(node).expect("test nodes are sound");
+    }
+    Arc::new(r)
+}
+
+#[test]
+fn long_work_of_the_engine_itself_is_left_in_the_middle_and_leaves_nothing_behind() {
+    let port =
+        |from: &str, shape: &str| json!({"x": {"type": "take", "inputs": {"in": {"from": [from], "tree": [shape]}}}});
+    let cases = [
+        port("many.items", "graft"),
+        port("rows.tree", "flatten"),
+        port("many.items", "reverse"),
+        json!({"x": {"type": "take", "inputs": {"in": {"from": ["many.items", "rows.tree"]}}}}),
+        json!({"x": {"type": "each", "inputs": {"in": {"from": ["many.items"]}}}}),
+        json!({"x": {"type": "pick", "inputs": {"in": {"from": ["many.items"]}}}}),
+    ];
+    for mut nodes in cases {
+        nodes["many"] = json!({"type": "many"});
+        nodes["rows"] = json!({"type": "rows"});
+        let options = Options { threads: 2, ..Options::default() };
+        let mut s = Session::new(fused_registry(), document(nodes.clone()), options.clone());
+        let inputs = ["many.items", "rows.tree"];
+        assert!(!evaluate(&mut s, &inputs).has_errors());
+        log(&mut s);
+
+        let control = Control::default();
+        let at = 20_000;
+        COPIES.store(0, Ordering::Relaxed);
+        *FUSE.lock().expect("nobody panics with it") = Some((at, control.cancel.clone()));
+        let report = s.evaluate(&[], &control);
+        *FUSE.lock().expect("nobody panics with it") = None;
+        let copies = COPIES.load(Ordering::Relaxed);
+        assert!(report.cancelled && report.nodes.is_empty(), "{nodes}: {copies} copied, {:?}", lines(&report));
+        // Two threads may each be in the middle of a stride.
+        assert!((at..at + 128 + 2 * stop::STRIDE).contains(&copies), "{nodes}: {copies} of {MANY} were copied");
+        let of_x = if nodes["x"]["type"] == "take" { "x.tree" } else { "x.out" };
+        assert!(s.value(of_x).is_none() && inputs.iter().all(|i| s.value(i).is_some()), "{nodes}");
+        assert_eq!(log(&mut s), "cancelled", "{nodes}");
+
+        // Nothing of it was remembered: it runs, and comes to what a fresh session comes to.
+        let again = evaluate(&mut s, &[of_x]);
+        assert!(log(&mut s).contains("executed x"), "{nodes}");
+        let mut fresh = Session::new(fused_registry(), document(nodes.clone()), options);
+        evaluate(&mut fresh, &[of_x]);
+        assert!(!again.has_errors() && s.value(of_x).is_some() && s.value(of_x) == fresh.value(of_x), "{nodes}");
+    }
 }

@@ -6,7 +6,7 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime};
-use tenon_engine::{Store, StoreFault};
+use tenon_engine::{Store, StoreFault, stop};
 
 /// First bytes of every entry.
 const MAGIC: [u8; 8] = *b"tenonkpt";
@@ -22,6 +22,8 @@ const ENDING: &str = ".kept";
 const TEMPORARY: &str = ".tmp";
 /// Temporary files that nobody has written to for so long were left by a killed process.
 const ABANDONED: Duration = Duration::from_secs(3600);
+/// So many bytes are read, digested or written before it is looked whether to stop.
+const OFTEN: usize = 1 << 20;
 /// No entry is larger, bytes.
 const LARGEST: u64 = 4 << 30;
 
@@ -87,16 +89,16 @@ impl DiskCache {
     /// found out by its digest.
     fn write(&self, key: u128, bytes: &[u8]) -> io::Result<()> {
         fs::create_dir_all(&self.folder)?;
+        let head = head(key, bytes);
         let (mut file, temporary) = self.temporary(key)?;
-        let target = self.path(key);
-        let written = file
-            .write_all(&head(key, bytes))
-            .and_then(|()| file.write_all(bytes))
-            .and_then(|()| fs::rename(&temporary, target));
-        if written.is_err() {
-            let _ = fs::remove_file(&temporary);
+        // Gone with it, unless the entry has got its name by then.
+        let temporary = Temporary(temporary);
+        file.write_all(&head)?;
+        for part in bytes.chunks(OFTEN) {
+            stop::check();
+            file.write_all(part)?;
         }
-        written
+        fs::rename(&temporary.0, self.path(key))
     }
 
     /// A file that no other process or thread writes, whatever its number is.
@@ -123,6 +125,15 @@ impl DiskCache {
 
     fn failed(&self, error: &io::Error) -> StoreFault {
         StoreFault::Failed { place: self.folder.display().to_string(), why: error.to_string() }
+    }
+}
+
+/// A temporary file, removed when this is dropped: after an error, or when the work is left in the middle.
+struct Temporary(PathBuf);
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.0);
     }
 }
 
@@ -167,7 +178,10 @@ fn read(path: &Path) -> io::Result<Option<Vec<u8>>> {
         file => file?,
     };
     let mut bytes = Vec::new();
-    Read::by_ref(&mut file).take(HEAD as u64 + LARGEST).read_to_end(&mut bytes)?;
+    let mut rest = Read::by_ref(&mut file).take(HEAD as u64 + LARGEST);
+    while rest.by_ref().take(OFTEN as u64).read_to_end(&mut bytes)? > 0 {
+        stop::check();
+    }
     // Where it may not be marked, it goes a little early.
     let _ = file.set_modified(SystemTime::now());
     Ok(Some(bytes))
@@ -181,7 +195,11 @@ fn head(key: u128, bytes: &[u8]) -> [u8; HEAD] {
     head[12..28].copy_from_slice(&key.to_le_bytes());
     head[28..COVERED].copy_from_slice(&(bytes.len() as u64).to_le_bytes());
     let mut digest = blake3::Hasher::new();
-    digest.update(&head[..COVERED]).update(bytes);
+    digest.update(&head[..COVERED]);
+    for part in bytes.chunks(OFTEN) {
+        stop::check();
+        digest.update(part);
+    }
     head[COVERED..].copy_from_slice(digest.finalize().as_bytes());
     head
 }

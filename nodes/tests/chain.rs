@@ -40,22 +40,22 @@ fn shell(n: usize, span: f64, rise: f64, step: f64, depth: f64) -> Mesh {
 fn prove_shell(mesh: &Mesh, thickness: f64, rule: &FastenerRule, up: Up, grain: Grain) -> (usize, u32) {
     let (panels, _) = thicken(mesh, &ThickenParams::new(thickness)).unwrap();
     let (features, _) = lay_fasteners(&panels, rule).unwrap();
-    let (mut parts, issues) = map_parts(&panels, &features, &MapParams { up, ..MapParams::default() });
+    let (mut parts, issues) = map_parts(&panels, &features, &MapParams { up, ..MapParams::default() }, &|| true);
     assert!(issues.is_empty(), "{}", issues[0]);
     let file = machine_preset("maka-mm7s").unwrap();
     let params = PathParams::default();
     let paths = cut_parts(&parts, &file.machine, &params, &go).unwrap();
     assert!(!paths.failed.contains(&true), "{}", paths.issues[0]);
     parts.leave_to_hand(paths.unmade_features());
-    let goods = Goods { grain, ..Goods::of_parts(&parts, &paths, &file.machine) };
+    let goods = Goods { grain, ..Goods::of_parts(&parts, &paths, &file.machine, &|| true) };
     let board = Board { size: DVec2::new(1500.0, 3000.0), thickness, margin: 5.0 };
     let packed = RowPacker::default().pack(&goods, &board, &go).unwrap();
     assert!(packed.left_out.is_empty());
     assert_eq!(check_layout(&packed.layout, Bounds::Cleared, 1e-7), []);
-    let (placed, issues) = place_paths(&paths, &packed.layout, &file.machine);
+    let (placed, issues) = place_paths(&paths, &packed.layout, &file.machine, &|| true);
     assert!(issues.is_empty(), "{}", issues[0]);
     let params = PostParams { name: "shell", addresses: &parts.panels.address, header: &[] };
-    let programs = post(&placed, &file.machine, &file.words, &params).unwrap();
+    let programs = post(&placed, &file.machine, &file.words, &params, &|| true).unwrap();
     let read: Vec<Program> = programs.iter().map(|p| p.read(&file.machine)).collect();
     let report = prove(&read, &file.machine, &parts, &packed.layout, &ProofParams::default(), &go).unwrap();
     for p in &report.programs {

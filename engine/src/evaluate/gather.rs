@@ -6,6 +6,7 @@ use crate::document::model::TreeOp;
 use crate::plan::{Plan, Slot};
 use crate::port::Port;
 use crate::registry::{NodeType, Registry};
+use crate::stop::Stoppable;
 use crate::value::{Column, Digester, Path, Text, Tree, digest_bytes};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
@@ -136,11 +137,11 @@ fn convert<'a>(
     reports: &mut Vec<(Severity, Fail)>,
 ) -> Result<Cow<'a, Tree>, Fail> {
     let Some(to) = port.item_type.id else { return Ok(Cow::Borrowed(tree)) };
-    if tree.branches().iter().all(|(_, c)| c.item_type() == to) {
+    if tree.branches().iter().stoppable().all(|(_, c)| c.item_type() == to) {
         return Ok(Cow::Borrowed(tree));
     }
     let mut branches: Vec<(Path, Column)> = Vec::with_capacity(tree.branches().len());
-    for (path, column) in tree.branches() {
+    for (path, column) in tree.branches().iter().stoppable() {
         let converted = if column.item_type() == to {
             column.clone()
         } else if let Some(convert) = registry.conversion(column.item_type(), to) {
@@ -150,7 +151,7 @@ fn convert<'a>(
                 reports.push((Severity::Error, if column.len() > 1 { fail.item(i) } else { fail }));
             }
             converted
-        } else if (0..column.len()).all(|i| !column.is_valid(i)) {
+        } else if (0..column.len()).stoppable().all(|i| !column.is_valid(i)) {
             // Nothing but gaps: their type does not matter.
             (port.item_type.empty)().pick(&vec![None; column.len()])
         } else {
@@ -165,7 +166,7 @@ fn convert<'a>(
 
 /// Many wires into one port: branches of the same path append in the order of the wires. O(n log n) in branches.
 fn merge(trees: &[Cow<'_, Tree>], port: &Port) -> Result<Tree, Fail> {
-    let branches = || trees.iter().flat_map(|t| t.branches());
+    let branches = || trees.iter().flat_map(|t| t.branches()).stoppable();
     let mixed = |a: &Column, b: &Column| {
         let (a, b) = (a.type_name(), b.type_name());
         let message = format!("\"{}\" cannot join {a} and {b} in one list", port.name);

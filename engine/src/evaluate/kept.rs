@@ -2,6 +2,7 @@
 
 use crate::diagnostic::{Fail, Severity};
 use crate::registry::Registry;
+use crate::stop::Stoppable;
 use crate::value::{Path, Tree, pack, unpack};
 use serde::{Deserialize, Serialize};
 
@@ -73,7 +74,7 @@ impl Kept {
         let mut outputs = Vec::with_capacity(head.outputs.len());
         for TreeHead { digest, branches: heads } in head.outputs {
             let mut branches = Vec::with_capacity(heads.len());
-            for b in heads {
+            for b in heads.into_iter().stoppable() {
                 let empty = registry.empty_column(b.type_name).ok_or(NotKept::Foreign)?;
                 if empty.format() == 0 || empty.format() != b.format {
                     return Err(NotKept::Foreign);
@@ -102,13 +103,10 @@ pub(crate) fn encode(
     failed: bool,
     nanoseconds: u64,
 ) -> Option<Vec<u8>> {
-    let (mut heads, mut items) = (Vec::with_capacity(outputs.len()), Vec::new());
+    let mut heads = Vec::with_capacity(outputs.len());
     for tree in outputs {
         let mut branches = Vec::with_capacity(tree.branches().len());
-        for (path, column) in tree.branches() {
-            if !column.encode(&mut items) {
-                return None;
-            }
+        for (path, column) in tree.branches().iter().stoppable() {
             branches.push(BranchHead {
                 path: path.steps().to_vec(),
                 type_name: column.type_name(),
@@ -121,9 +119,6 @@ pub(crate) fn encode(
     }
     let mut out = Vec::new();
     let head = Head { failed, nanoseconds, reports: reports.to_vec(), outputs: heads };
-    if !pack(&head, &mut out) {
-        return None;
-    }
-    out.append(&mut items);
-    Some(out)
+    let mut columns = outputs.iter().flat_map(|tree| tree.branches()).stoppable();
+    (pack(&head, &mut out) && columns.all(|(_, column)| column.encode(&mut out))).then_some(out)
 }

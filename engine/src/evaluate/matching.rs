@@ -6,6 +6,7 @@ use crate::call::{Call, Monitor};
 use crate::diagnostic::{Fail, Severity};
 use crate::port::{Access, Port};
 use crate::registry::NodeType;
+use crate::stop::{self, Stoppable, Ticker};
 use crate::value::{Column, Path, Tree};
 use rayon::prelude::*;
 use smallvec::SmallVec;
@@ -93,6 +94,11 @@ impl Outcome {
     pub fn failure(reports: Vec<(Severity, Fail)>) -> Self {
         Self { outputs: SmallVec::new(), reports, failed: true, cancelled: false, panicked: false }
     }
+
+    /// Left in the middle.
+    pub fn stopped() -> Self {
+        Self { outputs: SmallVec::new(), reports: Vec::new(), failed: false, cancelled: true, panicked: false }
+    }
 }
 
 struct Branch<'a> {
@@ -148,8 +154,10 @@ pub(crate) fn run(
     let work = |&(b, from, to): &(usize, usize, usize)| {
         let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(to - from)).collect();
         let branch = &branches[b];
-        let lot = run_lanes(node_type, &branch.args, branch.lanes, from..to, &mut outputs, monitor);
-        Piece { lanes: to - from, outputs, lot }
+        let lot = stop::within(monitor.cancel, || {
+            run_lanes(node_type, &branch.args, branch.lanes, from..to, &mut outputs, monitor)
+        });
+        Piece { lanes: to - from, outputs, lot: lot.unwrap_or_else(Lot::stopped) }
     };
     let done: Vec<Piece> = if parallel && pieces.len() > 1 {
         pieces.par_iter().map(work).collect()
@@ -251,7 +259,7 @@ fn check(input: &mut Input<'_>, port: &Port, reports: &mut Vec<(Severity, Fail)>
             continue;
         }
         let single = column.len() == 1 && !many;
-        let mut order: Vec<Option<usize>> = (0..column.len()).map(Some).collect();
+        let mut order: Vec<Option<usize>> = (0..column.len()).stoppable().map(Some).collect();
         for (i, fail) in bad {
             order[i] = None;
             let fail = if single { fail } else { fail.item(i) };
@@ -291,7 +299,9 @@ fn branches<'a>(node_type: &NodeType, inputs: &'a [Input<'a>], matching: Matchin
     let names = matched().find(|t| t.branches().len() == longest);
     let mut all = Vec::with_capacity(count);
     let mut lanes = 0usize;
+    let ticker = Ticker::new();
     for b in 0..count {
+        ticker.tick();
         let path = names.and_then(|t| t.branches().get(b)).map_or_else(Path::root, |(p, _)| p.clone());
         let branch = branch(node_type, inputs, matching, b, path)?;
         lanes = lanes.saturating_add(branch.lanes.count);
@@ -372,6 +382,12 @@ struct Lot {
     panicked: bool,
 }
 
+impl Lot {
+    fn stopped() -> Self {
+        Self { reports: Vec::new(), good: 0, bad: 0, cancelled: true, panicked: false }
+    }
+}
+
 /// A piece of the lanes of one branch and what it has set.
 struct Piece {
     lanes: usize,
@@ -429,6 +445,7 @@ fn run_lanes(
                 continue;
             }
             (Ok(Err(fail)), _) | (Ok(Ok(())), Some(fail)) => fail,
+            (Err(payload), _) if stop::is_stop(&*payload) => Fail::cancelled(),
             (Err(payload), _) => {
                 panicked = true;
                 let text = payload.downcast_ref::<&str>().map(|s| (*s).to_owned());
@@ -458,11 +475,19 @@ fn gather(
     done: Vec<Piece>,
     mut reports: Vec<(Severity, Fail)>,
 ) -> Outcome {
-    let (mut good, mut bad, mut cancelled, mut panicked) = (0, 0, false, false);
+    let (mut good, mut bad, mut panicked) = (0, 0, false);
     let mut parts: Vec<Vec<(Path, Column)>> =
         node_type.outputs.iter().map(|_| Vec::with_capacity(branches.len())).collect();
+    if done.iter().any(|piece| piece.lot.cancelled) {
+        // What they have is not worth putting together.
+        let panicked = done.iter().any(|piece| piece.lot.panicked);
+        reports.extend(done.into_iter().flat_map(|piece| piece.lot.reports));
+        return Outcome { reports, panicked, ..Outcome::stopped() };
+    }
     let mut done = done.into_iter();
+    let ticker = Ticker::new();
     for branch in branches {
+        ticker.tick();
         let mut columns: Vec<Vec<Output>> = node_type.outputs.iter().map(|_| Vec::with_capacity(1)).collect();
         let mut covered = 0;
         while covered < branch.lanes.count {
@@ -470,7 +495,6 @@ fn gather(
             covered += lanes;
             good += lot.good;
             bad += lot.bad;
-            cancelled |= lot.cancelled;
             panicked |= lot.panicked;
             reports.extend(lot.reports);
             columns.iter_mut().zip(outputs).for_each(|(all, one)| all.push(one));
@@ -484,9 +508,9 @@ fn gather(
         }
     }
     let failed = good == 0 && (bad > 0 || !reports.is_empty());
-    if failed || cancelled {
-        return Outcome { outputs: SmallVec::new(), reports, failed, cancelled, panicked };
+    if failed {
+        return Outcome { panicked, ..Outcome::failure(reports) };
     }
     let outputs = parts.into_iter().map(Tree::from_branches).collect();
-    Outcome { outputs, reports, failed, cancelled, panicked }
+    Outcome { outputs, reports, failed, cancelled: false, panicked }
 }

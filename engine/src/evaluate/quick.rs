@@ -11,6 +11,7 @@ use crate::call::Monitor;
 use crate::document::model::NodeState;
 use crate::plan::Slot;
 use crate::value::Tree;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -20,7 +21,13 @@ const BATCH: usize = 64;
 impl Session {
     /// Deals with a cheap node to which nothing special happens; false if it has to go the long way. What it decides depends
     /// on types and data alone, so the log is the same however long anything takes.
-    pub(super) fn run_quick(&mut self, n: u32, e: &mut Evaluation, cancel: &AtomicBool, meter: &Meter<'_>) -> bool {
+    pub(super) fn run_quick(
+        &mut self,
+        n: u32,
+        e: &mut Evaluation,
+        cancel: &Arc<AtomicBool>,
+        meter: &Meter<'_>,
+    ) -> bool {
         let i = n as usize;
         if !self.is_quick(i) {
             return false;

@@ -12,11 +12,13 @@ use crate::call::Monitor;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::document::model::NodeState;
 use crate::plan::Slot;
+use crate::registry::NodeType;
+use crate::stop;
 use crate::value::Tree;
 use rayon::prelude::*;
 use std::collections::HashSet;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Nodes that take less than this run on the calling thread, nanoseconds.
@@ -201,7 +203,7 @@ impl Session {
     }
 
     /// False if a node was cancelled.
-    fn run_level(&mut self, level: &[u32], e: &mut Evaluation, cancel: &AtomicBool, meter: &Meter<'_>) -> bool {
+    fn run_level(&mut self, level: &[u32], e: &mut Evaluation, cancel: &Arc<AtomicBool>, meter: &Meter<'_>) -> bool {
         let (mut jobs, mut twins, mut keys) = (Vec::new(), Vec::new(), HashSet::new());
         for n in level {
             if self.run_quick(*n, e, cancel, meter) {
@@ -226,8 +228,11 @@ impl Session {
     }
 
     /// False if a node was cancelled.
-    fn run_batch(&mut self, jobs: Vec<Job>, e: &mut Evaluation, cancel: &AtomicBool, meter: &Meter<'_>) -> bool {
-        let mut jobs = self.recall(jobs, e);
+    fn run_batch(&mut self, jobs: Vec<Job>, e: &mut Evaluation, cancel: &Arc<AtomicBool>, meter: &Meter<'_>) -> bool {
+        let mut jobs = self.recall(jobs, cancel, e);
+        if cancel.load(Ordering::Relaxed) {
+            return false;
+        }
         if jobs.is_empty() {
             return true;
         }
@@ -401,7 +406,7 @@ impl Session {
         })
     }
 
-    fn run_jobs(&self, jobs: Vec<Job>, cancel: &AtomicBool, meter: &Meter<'_>) -> Vec<(Outcome, Duration)> {
+    fn run_jobs(&self, jobs: Vec<Job>, cancel: &Arc<AtomicBool>, meter: &Meter<'_>) -> Vec<(Outcome, Duration)> {
         let expected: f64 = jobs.iter().map(|j| self.weight(j.node as usize)).sum();
         if expected < 10.0 * TINY && jobs.iter().all(|j| self.is_tiny(j.node as usize)) {
             let mut clock = Instant::now();
@@ -446,18 +451,19 @@ impl Session {
     }
 
     /// Runs a node and keeps what it gives, where that is worth it; gives when it was done.
-    fn run_job(&self, job: Job, parallel: bool, cancel: &AtomicBool, meter: &Meter<'_>) -> (Outcome, Instant) {
+    fn run_job(&self, job: Job, parallel: bool, cancel: &Arc<AtomicBool>, meter: &Meter<'_>) -> (Outcome, Instant) {
         let Some(store) = &self.options.store else { return self.run_node(job, parallel, cancel, meter) };
         let (start, kept) = (Instant::now(), (job.node, job.key, job.rewrite));
         let (outcome, end) = self.run_node(job, parallel, cancel, meter);
         if !cancel.load(Ordering::Relaxed) {
-            self.keep_outside(store, kept, &outcome, end - start);
+            // Nothing is lost if it is left in the middle: it is kept whole or not at all.
+            stop::within(cancel, || self.keep_outside(store, kept, &outcome, end - start));
         }
         (outcome, end)
     }
 
     /// Runs a node; gives when it was done, so that of nodes that run one after another each reads the clock once.
-    fn run_node(&self, job: Job, parallel: bool, cancel: &AtomicBool, meter: &Meter<'_>) -> (Outcome, Instant) {
+    fn run_node(&self, job: Job, parallel: bool, cancel: &Arc<AtomicBool>, meter: &Meter<'_>) -> (Outcome, Instant) {
         let i = job.node as usize;
         let Some(t) = self.plan.node_type(i) else { return (Outcome::failure(Vec::new()), Instant::now()) };
         let (id, weight) = (&self.plan.ids[i], self.weight(i));
@@ -467,10 +473,16 @@ impl Session {
             show(0.0);
         }
         let monitor = Monitor { cancel, report, span: (0.0, 1.0) };
+        let outcome = stop::within(cancel, || self.run_with(job, t, monitor, parallel));
+        (outcome.unwrap_or_else(Outcome::stopped), Instant::now())
+    }
+
+    fn run_with(&self, job: Job, t: &NodeType, monitor: Monitor<'_>, parallel: bool) -> Outcome {
+        let i = job.node as usize;
         if job.files.is_empty()
             && let Some(outcome) = matching::run_simple(t, gather::simple(&self.plan, t, i, &self.values), monitor)
         {
-            return (outcome, Instant::now());
+            return outcome;
         }
         let mut reports = Vec::new();
         let (inputs, matching) =
@@ -478,7 +490,7 @@ impl Session {
                 Ok(inputs) => inputs,
                 Err(fail) => {
                     reports.push((Severity::Error, fail));
-                    return (Outcome::failure(reports), Instant::now());
+                    return Outcome::failure(reports);
                 }
             };
         let mut outcome = matching::run(t, inputs, matching, monitor, parallel);
@@ -486,6 +498,6 @@ impl Session {
             reports.append(&mut outcome.reports);
             outcome.reports = reports;
         }
-        (outcome, Instant::now())
+        outcome
     }
 }

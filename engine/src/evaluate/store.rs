@@ -8,8 +8,10 @@ use super::report::{Event, Happened};
 use super::run::Job;
 use super::session::{NodeRun, Session, Status};
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::stop;
 use crate::value::{Digester, Tree};
 use rayon::prelude::*;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -19,7 +21,8 @@ const LEAST: Duration = Duration::from_millis(2);
 const LEAST_PER_BYTE: u128 = 10;
 
 /// A place for results beyond the life of the process, given in [`crate::Options`]. Many threads, sessions and processes
-/// may use the same place at once.
+/// may use the same place at once. Both ways are called while nodes run: what takes long should look at
+/// [`crate::stop::check`] now and then and must be fit to be left there, with nothing half-written.
 pub trait Store: Send + Sync {
     /// The bytes last put under `key`; `None` if there are none.
     ///
@@ -71,6 +74,12 @@ struct Found {
     time: Duration,
 }
 
+impl Found {
+    fn nothing() -> Self {
+        Self { kept: None, damaged: false, time: Duration::ZERO }
+    }
+}
+
 /// The key under which a result outlives the process: besides node type, version and inputs, on which the memo's key
 /// stands, everything of the program that may change results or their bytes.
 fn key(memo_key: u128) -> u128 {
@@ -85,9 +94,9 @@ fn key(memo_key: u128) -> u128 {
 
 impl Session {
     /// Looks the jobs up in the store, at the same time, puts in place what is there, and gives those that have to run.
-    pub(super) fn recall(&mut self, jobs: Vec<Job>, e: &mut Evaluation) -> Vec<Job> {
+    pub(super) fn recall(&mut self, jobs: Vec<Job>, cancel: &Arc<AtomicBool>, e: &mut Evaluation) -> Vec<Job> {
         let Some(store) = self.options.store.clone() else { return jobs };
-        let look = |job: &Job| self.look_up(&*store, job);
+        let look = |job: &Job| stop::within(cancel, || self.look_up(&*store, job)).unwrap_or_else(Found::nothing);
         let found: Vec<Found> = match self.pool() {
             Some(pool) if jobs.len() > 1 => pool.install(|| jobs.par_iter().map(look).collect()),
             _ => jobs.iter().map(look).collect(),
@@ -106,7 +115,7 @@ impl Session {
 
     fn look_up(&self, store: &dyn Store, job: &Job) -> Found {
         let start = Instant::now();
-        let mut found = Found { kept: None, damaged: false, time: Duration::ZERO };
+        let mut found = Found::nothing();
         // What is computed in no time is not worth a look.
         if self.plan.node_type(job.node as usize).is_none_or(|t| t.cheap) {
             return found;

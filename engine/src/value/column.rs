@@ -3,6 +3,7 @@
 
 use super::digest::Digester;
 use super::item::{Item, Json};
+use crate::stop::{self, STRIDE, Stoppable};
 use std::any::{Any, TypeId};
 use std::sync::Arc;
 
@@ -17,7 +18,7 @@ enum Data {
     Shared(Arc<dyn ColumnData>),
 }
 
-struct Typed<T> {
+struct Typed<T: Send + 'static> {
     items: Box<[T]>,
     /// Present only if there is at least one gap.
     valid: Option<Box<[bool]>>,
@@ -47,6 +48,12 @@ trait ColumnData: Send + Sync {
     fn format(&self) -> u32;
     fn encode(&self, out: &mut Vec<u8>) -> bool;
     fn decode(&self, len: usize, valid: Option<Vec<bool>>, bytes: &mut &[u8]) -> Option<Column>;
+}
+
+impl<T: Send + 'static> Drop for Typed<T> {
+    fn drop(&mut self) {
+        stop::let_go(std::mem::take(&mut self.items).into_vec());
+    }
 }
 
 impl<T: Item> ColumnData for Typed<T> {
@@ -91,6 +98,7 @@ impl<T: Item> ColumnData for Typed<T> {
         Column::with_gaps::<T>(
             order
                 .iter()
+                .stoppable()
                 .map(|i| i.filter(|i| *i < self.items.len() && valid(*i)).map(|i| self.items[i].clone()))
                 .collect(),
         )
@@ -106,7 +114,7 @@ impl<T: Item> ColumnData for Typed<T> {
 
     fn encode(&self, out: &mut Vec<u8>) -> bool {
         let valid = |i: usize| self.valid.as_ref().is_none_or(|v| v[i]);
-        self.items.iter().enumerate().all(|(i, item)| !valid(i) || item.encode(out))
+        self.items.iter().stoppable().enumerate().all(|(i, item)| !valid(i) || item.encode(out))
     }
 
     fn decode(&self, len: usize, valid: Option<Vec<bool>>, bytes: &mut &[u8]) -> Option<Column> {
@@ -126,7 +134,7 @@ fn digest<T: Item>(items: &[T], valid: Option<&[bool]>) -> u128 {
         }
         Some(valid) => {
             d.u8(1);
-            for (item, ok) in items.iter().zip(valid) {
+            for (item, ok) in items.iter().stoppable().zip(valid) {
                 d.bool(*ok);
                 if *ok {
                     item.digest(&mut d);
@@ -202,7 +210,7 @@ fn decode<T: Item>(len: usize, valid: Option<Vec<bool>>, bytes: &mut &[u8]) -> O
         return None;
     }
     let mut items = Vec::with_capacity(len.min(bytes.len() / size_of::<T>().max(1) + 1));
-    for i in 0..len {
+    for i in (0..len).stoppable() {
         let there = valid.as_ref().is_none_or(|v| v[i]);
         items.push(if there { T::decode(bytes)? } else { T::default() });
     }
@@ -272,8 +280,13 @@ impl ColumnData for f64 {
 fn concat<T: Item>(all: &[Column]) -> Option<Column> {
     let total = all.iter().map(Column::len).sum();
     let (mut items, mut valid, mut gaps) = (Vec::with_capacity(total), Vec::with_capacity(total), false);
-    for column in all {
-        items.extend_from_slice(column.slice::<T>()?);
+    for column in all.iter().stoppable() {
+        for part in column.slice::<T>()?.chunks(STRIDE) {
+            items.extend_from_slice(part);
+            if part.len() == STRIDE {
+                stop::check();
+            }
+        }
         match column.data().valid() {
             Some(v) => {
                 gaps = true;
@@ -313,8 +326,8 @@ impl Column {
     /// A column in which `None` is a gap. O(n).
     #[must_use]
     pub fn with_gaps<T: Item>(items: Vec<Option<T>>) -> Self {
-        let valid: Vec<bool> = items.iter().map(Option::is_some).collect();
-        let items = items.into_iter().map(Option::unwrap_or_default).collect();
+        let valid: Vec<bool> = items.iter().stoppable().map(Option::is_some).collect();
+        let items = items.into_iter().stoppable().map(Option::unwrap_or_default).collect();
         Self::build(items, Some(valid))
     }
 

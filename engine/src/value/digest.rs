@@ -1,14 +1,19 @@
 //! Digests of values: 128 bit xxh3 over a canonical byte stream, the same for every way of feeding it.
 //! Short values (most parameters) are hashed from a small buffer without building the big streaming state.
 
+use crate::stop;
 use xxhash_rust::xxh3::{Xxh3, xxh3_128};
 
 const BUFFER: usize = 192;
+/// So many bytes are digested before it is looked whether to stop.
+const OFTEN: usize = 1 << 18;
 
 /// A streaming 128-bit digest. Feeding the same values in the same order gives the same digest on every machine.
 pub struct Digester {
     buffer: [u8; BUFFER],
     filled: usize,
+    /// Bytes since it was last looked whether to stop.
+    fed: usize,
     stream: Option<Box<Xxh3>>,
 }
 
@@ -22,7 +27,7 @@ impl Digester {
     /// An empty digest.
     #[must_use]
     pub fn new() -> Self {
-        Self { buffer: [0; BUFFER], filled: 0, stream: None }
+        Self { buffer: [0; BUFFER], filled: 0, fed: 0, stream: None }
     }
 
     /// Raw bytes, without their length. O(n).
@@ -34,9 +39,20 @@ impl Digester {
         }
         let stream = self.stream.get_or_insert_with(|| Box::new(Xxh3::new()));
         stream.update(&self.buffer[..self.filled]);
+        self.fed += self.filled;
         self.filled = 0;
-        if bytes.len() >= BUFFER {
+        if self.fed >= OFTEN {
+            stop::check();
+            self.fed = 0;
+        }
+        if bytes.len() >= OFTEN {
+            for part in bytes.chunks(OFTEN) {
+                stop::check();
+                stream.update(part);
+            }
+        } else if bytes.len() >= BUFFER {
             stream.update(bytes);
+            self.fed += bytes.len();
         } else {
             self.buffer[..bytes.len()].copy_from_slice(bytes);
             self.filled = bytes.len();

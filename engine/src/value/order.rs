@@ -2,6 +2,7 @@
 
 use super::column::Column;
 use super::item::Text;
+use crate::stop::{Pending, Stoppable, Ticker};
 use std::cmp::Ordering;
 
 impl Column {
@@ -11,7 +12,7 @@ impl Column {
         if from == 0 && to >= self.len() {
             return self.clone();
         }
-        self.pick(&(from..to.min(self.len())).map(Some).collect::<Vec<_>>())
+        self.pick(&(from..to.min(self.len())).stoppable().map(Some).collect::<Vec<_>>())
     }
 
     /// Pieces of the given sizes, which repeat; the last piece is what remains. `None` if there is no size or one is 0.
@@ -21,8 +22,10 @@ impl Column {
         if sizes.is_empty() || sizes.contains(&0) {
             return None;
         }
-        let (mut pieces, mut from) = (Vec::new(), 0);
+        let (mut pieces, mut from) = (Pending::new(Vec::new()), 0);
+        let ticker = Ticker::new();
         for size in sizes.iter().cycle() {
+            ticker.tick();
             if from >= self.len() {
                 break;
             }
@@ -30,7 +33,7 @@ impl Column {
             pieces.push(self.part(from, to));
             from = to;
         }
-        Some(pieces)
+        Some(pieces.take())
     }
 
     /// The indices of the items from the smallest to the largest: equal items keep their order, gaps come last. Numbers
@@ -67,7 +70,7 @@ impl Column {
             (true, true) => compare(&items[i], &items[j]),
             (a, b) => b.cmp(&a),
         };
-        let mut order: Vec<usize> = (0..items.len()).collect();
+        let mut order: Vec<usize> = (0..items.len()).stoppable().collect();
         for run in order.chunks_mut(RUN).take_while(|_| go()) {
             run.sort_by(|&i, &j| compare(i, j));
         }

@@ -3,6 +3,7 @@
 use super::column::Column;
 use super::digest::Digester;
 use super::item::{Item, Json};
+use crate::stop::{Pending, Stoppable, Ticker, let_go};
 use std::sync::Arc;
 
 /// Where a branch hangs, `{0;1}`. Nearly every path is `{0}`, which takes no memory of its own.
@@ -91,7 +92,23 @@ pub struct Tree {
 #[derive(Clone)]
 enum Branches {
     One((Path, Column)),
-    Many(Arc<[(Path, Column)]>),
+    Many(Arc<Many>),
+}
+
+struct Many {
+    branches: Vec<(Path, Column)>,
+    bytes: usize,
+}
+
+impl Drop for Many {
+    fn drop(&mut self) {
+        let_go(std::mem::take(&mut self.branches));
+    }
+}
+
+fn bytes(branches: &[(Path, Column)]) -> usize {
+    let one = |(p, c): &(Path, Column)| size_of::<(Path, Column)>() + p.heap_bytes() + c.bytes();
+    branches.iter().stoppable().map(one).sum()
 }
 
 /// Turns the digest of a column into that of the tree which has it at `{0}` and nothing else.
@@ -143,11 +160,16 @@ impl Tree {
     /// Branches in any order; branches of the same path are joined in the order given (if their types differ, the first stays).
     /// O(n log n).
     #[must_use]
-    pub fn from_branches(mut branches: Vec<(Path, Column)>) -> Self {
-        branches.sort_by(|a, b| a.0.cmp(&b.0));
-        if branches.windows(2).any(|w| w[0].0 == w[1].0) {
+    pub fn from_branches(branches: Vec<(Path, Column)>) -> Self {
+        let (mut branches, ticker) = (Pending::new(branches), Ticker::new());
+        branches.sort_by(|a, b| {
+            ticker.tick();
+            a.0.cmp(&b.0)
+        });
+        let mut branches = branches.take();
+        if branches.windows(2).stoppable().any(|w| w[0].0 == w[1].0) {
             let mut joined: Vec<(Path, Vec<Column>)> = Vec::new();
-            for (path, column) in branches {
+            for (path, column) in branches.into_iter().stoppable() {
                 match joined.last_mut() {
                     Some((last, columns)) if *last == path => columns.push(column),
                     _ => joined.push((path, vec![column])),
@@ -155,6 +177,7 @@ impl Tree {
             }
             branches = joined
                 .into_iter()
+                .stoppable()
                 .filter_map(|(path, columns)| {
                     Column::concat(&columns).or_else(|| columns.into_iter().next()).map(|c| (path, c))
                 })
@@ -163,14 +186,16 @@ impl Tree {
         Self::sorted(branches)
     }
 
-    fn sorted(mut branches: Vec<(Path, Column)>) -> Self {
+    fn sorted(branches: Vec<(Path, Column)>) -> Self {
+        let mut branches = Pending::new(branches);
         if branches.len() == 1
             && let Some((path, column)) = branches.pop()
         {
             return Self::branch(path, column);
         }
         let digest = halves(digest(&branches));
-        Self { branches: Branches::Many(branches.into()), digest }
+        let bytes = bytes(&branches);
+        Self { branches: Branches::Many(Arc::new(Many { branches: branches.take(), bytes })), digest }
     }
 
     /// The branches, sorted by path.
@@ -178,7 +203,7 @@ impl Tree {
     pub fn branches(&self) -> &[(Path, Column)] {
         match &self.branches {
             Branches::One(one) => std::slice::from_ref(one),
-            Branches::Many(many) => many,
+            Branches::Many(many) => &many.branches,
         }
     }
 
@@ -191,7 +216,7 @@ impl Tree {
     /// Number of items in all branches, gaps included.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.branches().iter().map(|(_, c)| c.len()).sum()
+        self.branches().iter().stoppable().map(|(_, c)| c.len()).sum()
     }
 
     /// True if no branch has an item.
@@ -209,7 +234,10 @@ impl Tree {
     /// Memory in bytes; data that several trees share counts in each.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.branches().iter().map(|(p, c)| size_of::<(Path, Column)>() + p.heap_bytes() + c.bytes()).sum()
+        match &self.branches {
+            Branches::One(one) => bytes(std::slice::from_ref(one)),
+            Branches::Many(many) => many.bytes,
+        }
     }
 
     /// Name of the item type; of the first branch, or `"nothing"`.
@@ -239,19 +267,20 @@ impl Tree {
     /// Every item in its own branch.
     #[must_use]
     pub fn graft(&self) -> Self {
-        let mut out = Vec::with_capacity(self.len());
+        let (mut out, ticker) = (Pending::new(Vec::with_capacity(self.len())), Ticker::new());
         for (path, column) in self.branches().iter() {
             for i in 0..column.len() {
+                ticker.tick();
                 out.push((path.child(i), column.pick(&[Some(i)])));
             }
         }
-        Self::sorted(out)
+        Self::sorted(out.take())
     }
 
     /// All items in one branch, in path order; unchanged if the branches' types differ.
     #[must_use]
     pub fn flatten(&self) -> Self {
-        let columns: Vec<Column> = self.branches().iter().map(|(_, c)| c.clone()).collect();
+        let columns: Vec<Column> = self.branches().iter().stoppable().map(|(_, c)| c.clone()).collect();
         Column::concat(&columns).map_or_else(|| self.clone(), Self::column)
     }
 
@@ -259,13 +288,19 @@ impl Tree {
     #[must_use]
     pub fn simplify(&self) -> Self {
         let Some((first, _)) = self.branches().first() else { return self.clone() };
-        let shortest = self.branches().iter().map(|(p, _)| p.steps().len()).min().unwrap_or(0);
+        let shortest = self.branches().iter().stoppable().map(|(p, _)| p.steps().len()).min().unwrap_or(0);
         let mut shared = 0;
-        while shared + 1 < shortest && self.branches().iter().all(|(p, _)| p.steps()[shared] == first.steps()[shared]) {
+        while shared + 1 < shortest
+            && self.branches().iter().stoppable().all(|(p, _)| p.steps()[shared] == first.steps()[shared])
+        {
             shared += 1;
         }
         Self::sorted(
-            self.branches().iter().map(|(p, c)| (Path::new(p.steps()[shared..].to_vec()), c.clone())).collect(),
+            self.branches()
+                .iter()
+                .stoppable()
+                .map(|(p, c)| (Path::new(p.steps()[shared..].to_vec()), c.clone()))
+                .collect(),
         )
     }
 
@@ -275,7 +310,8 @@ impl Tree {
         Self::sorted(
             self.branches()
                 .iter()
-                .map(|(p, c)| (p.clone(), c.pick(&(0..c.len()).rev().map(Some).collect::<Vec<_>>())))
+                .stoppable()
+                .map(|(p, c)| (p.clone(), c.pick(&(0..c.len()).rev().stoppable().map(Some).collect::<Vec<_>>())))
                 .collect(),
         )
     }

@@ -82,12 +82,18 @@ pub enum MapIssue {
 /// mirror). Fixing holes and addresses are added as features. Failed panels keep their empty place.
 ///
 /// O(corners + features); every panel alone. Source: 000 §7.1, METHODS §7.
+/// Stops early when `go` says no, and what there is then is of no use.
 #[must_use]
-pub fn map_parts(panels: &PanelSet, features: &FeatureSet, params: &MapParams) -> (PartSet, Vec<MapIssue>) {
+pub fn map_parts(
+    panels: &PanelSet,
+    features: &FeatureSet,
+    params: &MapParams,
+    go: &(dyn Fn() -> bool + Sync),
+) -> (PartSet, Vec<MapIssue>) {
     let mut issues = Vec::new();
     let mut mapped = panels.clone();
     let mut frame = Vec::with_capacity(panels.len());
-    for i in 0..panels.len() {
+    for i in (0..panels.len()).take_while(|_| go()) {
         let (motion, issue) = if panels.is_valid(i) { motion(panels, i, params) } else { (DAffine3::IDENTITY, None) };
         issues.extend(issue);
         frame.push(motion);
@@ -99,8 +105,10 @@ pub fn map_parts(panels: &PanelSet, features: &FeatureSet, params: &MapParams) -
             mapped.chamfer[k] = plane(&motion, panels.chamfer[k]);
         }
     }
+    frame.resize(panels.len(), DAffine3::IDENTITY);
     let moved = |list: &[Feature]| -> Vec<Feature> {
         list.iter()
+            .take_while(|_| go())
             .map(|f| {
                 let m = frame.get(f.panel as usize).copied().unwrap_or(DAffine3::IDENTITY);
                 Feature { machining: machining(&m, &f.machining), ..f.clone() }
@@ -117,7 +125,7 @@ pub fn map_parts(panels: &PanelSet, features: &FeatureSet, params: &MapParams) -
         frame,
         up: params.up,
     };
-    let mark_issues = marks::add_marks(&mut parts, params.fixing.as_ref(), params.address.as_ref());
+    let mark_issues = marks::add_marks(&mut parts, params.fixing.as_ref(), params.address.as_ref(), go);
     issues.extend(mark_issues.into_iter().map(|(panel, issue)| MapIssue::Mark { panel, issue }));
     (parts, issues)
 }
@@ -218,7 +226,7 @@ mod tests {
             up in prop::sample::select(vec![Up::Front, Up::Back]),
         ) {
             let set = panel_set(&[slanted_quad(300.0, 110.0, 40.0, lean)], 10.0, pose);
-            let (parts, _) = map_parts(&set, &FeatureSet::default(), &bare(align, axis, up));
+            let (parts, _) = map_parts(&set, &FeatureSet::default(), &bare(align, axis, up), &|| true);
             let m = parts.frame[0].matrix3;
             prop_assert!((m.determinant() - 1.0).abs() < 1e-12);
             prop_assert!((m * m.transpose() - DMat3::IDENTITY).to_cols_array().iter().all(|v| v.abs() < 1e-12));
@@ -252,7 +260,7 @@ mod tests {
     fn a_grain_square_to_a_panel_is_named_and_the_panel_still_mapped() {
         let set = panel_set(&[slanted_quad(300.0, 110.0, 0.0, [0.0; 4])], 10.0, DAffine3::IDENTITY);
         let params = bare(Align::Grain(DVec3::Z), GrainAxis::X, Up::Front);
-        let (parts, issues) = map_parts(&set, &FeatureSet::default(), &params);
+        let (parts, issues) = map_parts(&set, &FeatureSet::default(), &params, &|| true);
         assert_eq!(issues, [MapIssue::NoDirection { panel: 0, what: "grain" }]);
         assert!(parts.panels.front[1].x > 299.0);
     }
@@ -265,7 +273,7 @@ mod tests {
         let drill = Machining::Drill { entry, axis: DVec3::NEG_Z, depth: 5.0, diameter: 6.0 };
         let feature = Feature { panel: 0, edge: None, joint: Some(4), purpose: "dowel".into(), machining: drill };
         let features = FeatureSet { features: vec![feature], ..FeatureSet::default() };
-        let (parts, _) = map_parts(&set, &features, &bare(Align::FirstEdge, GrainAxis::X, Up::Back));
+        let (parts, _) = map_parts(&set, &features, &bare(Align::FirstEdge, GrainAxis::X, Up::Back), &|| true);
         let Machining::Drill { entry, axis, .. } = parts.features.features[0].machining else { panic!() };
         assert!((entry - DVec3::new(20.0, -30.0, 0.0)).length() < 1e-9, "{entry}");
         assert!((axis - DVec3::Z).length() < 1e-12);

@@ -83,6 +83,7 @@ pub(super) fn add_marks(
     parts: &mut PartSet,
     fixing: Option<&FixingHoles>,
     address: Option<&AddressMark>,
+    go: &(dyn Fn() -> bool + Sync),
 ) -> Vec<(u32, MarkIssue)> {
     let panels = parts.panels.len();
     let mut own: Vec<Vec<Feature>> = vec![Vec::new(); panels];
@@ -98,7 +99,7 @@ pub(super) fn add_marks(
         .enumerate()
         .map(|(i, features)| {
             let mut issues = Vec::new();
-            if parts.panels.is_valid(i) {
+            if parts.panels.is_valid(i) && go() {
                 let mut taken: Vec<Vec<DVec2>> = features.iter().filter_map(|f| shadow(&f.machining)).collect();
                 if let Some(rule) = fixing {
                     issues.extend(fix(parts, i, rule, &mut taken, features));
@@ -323,7 +324,7 @@ mod tests {
 
     fn map(shape: Shape, features: Vec<Feature>, params: &MapParams) -> (PartSet, Vec<MapIssue>) {
         let set = panel_set(&[shape], 10.0, DAffine3::IDENTITY);
-        map_parts(&set, &FeatureSet { features, ..FeatureSet::default() }, params)
+        map_parts(&set, &FeatureSet { features, ..FeatureSet::default() }, params, &|| true)
     }
 
     /// Distance of a vertical line at `p` from the chamfers, seen in the board's plane.

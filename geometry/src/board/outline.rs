@@ -15,8 +15,15 @@ const SIDES: usize = 24;
 /// outside (at most 0.9 % of their radius too wide). Empty for parts without a piece outline.
 ///
 /// Rapids stay above `top` and are left out. O(moves + p log p) per part for `p` distinct deep poses.
+/// Stops early when `go` says no, and what there is then is of no use.
 #[must_use]
-pub fn cleared_outlines(piece: &[Vec<DVec2>], paths: &PartPaths, machine: &Machine, top: f64) -> Vec<Vec<DVec2>> {
+pub fn cleared_outlines(
+    piece: &[Vec<DVec2>],
+    paths: &PartPaths,
+    machine: &Machine,
+    top: f64,
+    go: &(dyn Fn() -> bool + Sync),
+) -> Vec<Vec<DVec2>> {
     let ring: [(f64, f64); SIDES] =
         std::array::from_fn(|s| (s as f64 * std::f64::consts::TAU / SIDES as f64).sin_cos());
     let bodies: Vec<Envelope> = machine.tools.iter().map(|t| Envelope::new(machine, t)).collect();
@@ -24,7 +31,7 @@ pub fn cleared_outlines(piece: &[Vec<DVec2>], paths: &PartPaths, machine: &Machi
         .par_iter()
         .enumerate()
         .map(|(i, own)| {
-            if own.len() < 3 {
+            if own.len() < 3 || !go() {
                 return Vec::new();
             }
             let borders = borders(own);

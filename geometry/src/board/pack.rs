@@ -56,12 +56,13 @@ impl Goods {
 
     /// The goods of a part set and its tool paths: work pieces and what is cleared to make them, a part that cannot
     /// be cut out left empty. O(moves).
+    /// Stops early when `go` says no, and what there is then is of no use.
     #[must_use]
-    pub fn of_parts(parts: &PartSet, paths: &PartPaths, machine: &Machine) -> Self {
+    pub fn of_parts(parts: &PartSet, paths: &PartPaths, machine: &Machine, go: &(dyn Fn() -> bool + Sync)) -> Self {
         let failed = |i: usize| paths.failed.get(i).copied().unwrap_or(true);
-        let outline = |i| if failed(i) { Vec::new() } else { piece_outline(&parts.panels, i) };
+        let outline = |i| if failed(i) || !go() { Vec::new() } else { piece_outline(&parts.panels, i) };
         let piece: Vec<Vec<DVec2>> = (0..parts.panels.len()).map(outline).collect();
-        let cleared = cleared_outlines(&piece, paths, machine, parts.panels.thickness + paths.clearance);
+        let cleared = cleared_outlines(&piece, paths, machine, parts.panels.thickness + paths.clearance, go);
         Self::new(piece, cleared)
     }
 

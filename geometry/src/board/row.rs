@@ -66,8 +66,11 @@ impl Packer for RowPacker {
         if let Some(&part) = parts.iter().find(broken) {
             return Err(PackError::NotFinite { part });
         }
-        let fitted: Vec<Result<Vec<Good>, PackError>> =
-            parts.par_iter().map(|part| fit(goods, *part, lo, hi)).collect();
+        let fit = |(i, part): (usize, &u32)| {
+            // A callback per part would cost more than the part.
+            if i.is_multiple_of(64) && !progress(0.0) { Err(PackError::Cancelled) } else { fit(goods, *part, lo, hi) }
+        };
+        let fitted: Vec<Result<Vec<Good>, PackError>> = parts.par_iter().enumerate().map(fit).collect();
         let (mut all, mut choices, mut left_out) = (Vec::new(), Vec::with_capacity(parts.len()), Vec::new());
         for result in fitted {
             match result {
@@ -75,6 +78,7 @@ impl Packer for RowPacker {
                     choices.push(all.len()..all.len() + turns.len());
                     all.extend(turns);
                 }
+                Err(PackError::Cancelled) => return Err(PackError::Cancelled),
                 Err(error) => left_out.push(error),
             }
         }

@@ -23,7 +23,7 @@ pub const SCREW_LENGTHS: [f64; 16] =
 /// # Errors
 /// A parameter out of its range.
 pub fn lay_fasteners(set: &PanelSet, rule: &FastenerRule) -> Result<(FeatureSet, Vec<JointIssue>), FastenerError> {
-    lay_all(set, std::slice::from_ref(rule))
+    lay_all(set, std::slice::from_ref(rule), &|| true)
 }
 
 /// Lays the fasteners of several rules, one after the other.
@@ -35,8 +35,12 @@ pub fn lay_fasteners(set: &PanelSet, rule: &FastenerRule) -> Result<(FeatureSet,
 /// for e edges and h holes in each of p panels.
 ///
 /// # Errors
-/// A parameter out of its range.
-pub fn lay_all(set: &PanelSet, rules: &[FastenerRule]) -> Result<(FeatureSet, Vec<JointIssue>), FastenerError> {
+/// A parameter out of its range, or `go` says no: [`FastenerError::Cancelled`].
+pub fn lay_all(
+    set: &PanelSet,
+    rules: &[FastenerRule],
+    go: &(dyn Fn() -> bool + Sync),
+) -> Result<(FeatureSet, Vec<JointIssue>), FastenerError> {
     rules.iter().try_for_each(FastenerRule::check)?;
     let mut lay = Lay {
         set,
@@ -49,6 +53,9 @@ pub fn lay_all(set: &PanelSet, rules: &[FastenerRule]) -> Result<(FeatureSet, Ve
     };
     for rule in rules {
         for panel in 0..set.len() as u32 {
+            if !go() {
+                return Err(FastenerError::Cancelled);
+            }
             for edge in 0..set.corners(panel as usize).len() as u32 {
                 lay.edge(rule, panel, edge);
             }

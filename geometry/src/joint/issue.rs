@@ -149,4 +149,7 @@ pub enum FastenerError {
         /// Depths of the two holes, mm.
         depth: [f64; 2],
     },
+    /// The caller asked to stop.
+    #[error("cancelled")]
+    Cancelled,
 }

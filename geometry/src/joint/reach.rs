@@ -126,16 +126,18 @@ pub struct ReachIssue {
 /// drills the first that reaches is good enough. Holder and spindle must stay above a board without end, so clamps,
 /// table edges and other parts are not looked at here (the proof does). The order of features is kept. O(features ·
 /// tools).
+/// Stops early when `go` says no, and what there is then is of no use.
 #[must_use]
 pub fn check_reach(
     set: &PanelSet,
     features: FeatureSet,
     machine: &Machine,
     rule: &ReachRule,
+    go: &(dyn Fn() -> bool + Sync),
 ) -> (FeatureSet, Vec<ReachIssue>) {
     let mut out = FeatureSet { by_hand: features.by_hand, hardware: features.hardware, ..FeatureSet::default() };
     let mut issues = Vec::new();
-    for feature in features.features {
+    for feature in features.features.into_iter().take_while(|_| go()) {
         match reach(set, &feature, machine, rule) {
             Ok(()) => out.features.push(feature),
             Err(cause) => {
@@ -263,11 +265,11 @@ mod tests {
         for up in [Up::Front, Up::Back] {
             let (laid, _) = lay_fasteners(&set, &FastenerRule::toe_screws(up)).unwrap();
             assert!(laid.features.len() > 1000);
-            let (checked, issues) = check_reach(&set, laid.clone(), &machine(), &ReachRule::new(up));
+            let (checked, issues) = check_reach(&set, laid.clone(), &machine(), &ReachRule::new(up), &|| true);
             assert_eq!(issues, []);
             assert_eq!(checked, laid);
             let other = if up == Up::Front { Up::Back } else { Up::Front };
-            let (none, issues) = check_reach(&set, laid.clone(), &machine(), &ReachRule::new(other));
+            let (none, issues) = check_reach(&set, laid.clone(), &machine(), &ReachRule::new(other), &|| true);
             assert!(none.features.is_empty() && issues.len() == laid.features.len());
             assert!(issues.iter().all(|i| matches!(i.cause, ReachError::FromBelow { .. })));
         }
@@ -281,7 +283,7 @@ mod tests {
         assert!(laid.features.len() > 100);
         for out_of_reach in [OutOfReach::Refuse, OutOfReach::ByHand] {
             let reach = ReachRule { out_of_reach, ..ReachRule::new(Up::Back) };
-            let (checked, issues) = check_reach(&set, laid.clone(), &machine(), &reach);
+            let (checked, issues) = check_reach(&set, laid.clone(), &machine(), &reach, &|| true);
             assert_eq!(checked.features, []);
             assert_eq!(issues.len(), laid.features.len());
             assert_eq!(
@@ -302,13 +304,13 @@ mod tests {
         let rule = FastenerRule { end_distance: 50.0, ..FastenerRule::toe_dowels(Up::Back) };
         let (laid, issues) = lay_fasteners(&set, &rule).unwrap();
         assert_eq!(issues, []);
-        let (checked, issues) = check_reach(&set, laid.clone(), &machine(), &ReachRule::new(Up::Back));
+        let (checked, issues) = check_reach(&set, laid.clone(), &machine(), &ReachRule::new(Up::Back), &|| true);
         assert_eq!(issues, []);
         assert_eq!(checked, laid);
         assert!(laid.hardware.iter().all(|h| h.name.starts_with("Dowel 6 x ")));
         let rule = FastenerRule { end_distance: 50.0, ..FastenerRule::dowels(Direction::ChamferNormal) };
         let (laid, _) = lay_fasteners(&set, &rule).unwrap();
-        let (checked, issues) = check_reach(&set, laid.clone(), &machine(), &ReachRule::new(Up::Back));
+        let (checked, issues) = check_reach(&set, laid.clone(), &machine(), &ReachRule::new(Up::Back), &|| true);
         assert!(checked.features.is_empty() && issues.len() == laid.features.len());
     }
 

@@ -25,7 +25,7 @@ fn bare(up: Up) -> MapParams {
 /// One voided, leaning part on the machine plane.
 fn part(lean: [f64; 4], void: f64, up: Up, thickness: f64) -> PartSet {
     let shape = Shape { void: vec![void; 4], ..slanted_quad(300.0, 110.0, 40.0, lean) };
-    map_parts(&panel_set(&[shape], thickness, DAffine3::IDENTITY), &FeatureSet::default(), &bare(up)).0
+    map_parts(&panel_set(&[shape], thickness, DAffine3::IDENTITY), &FeatureSet::default(), &bare(up), &|| true).0
 }
 
 /// The passes of a part's contour: (plunge, cut) tips and axis.
@@ -127,10 +127,10 @@ proptest! {
     fn cleared_outline_holds_all_that_is_swept(lean in prop::array::uniform4(-0.5..0.5f64), pose in random_pose()) {
         let machine = test_machine();
         let set = panel_set(&[slanted_quad(200.0, 90.0, -30.0, lean)], 10.0, pose);
-        let parts = map_parts(&set, &FeatureSet::default(), &MapParams::default()).0;
+        let parts = map_parts(&set, &FeatureSet::default(), &MapParams::default(), &|| true).0;
         let params = PathParams::default();
         let paths = cut_parts(&parts, &machine, &params, &go).unwrap();
-        let goods = Goods::of_parts(&parts, &paths, &machine);
+        let goods = Goods::of_parts(&parts, &paths, &machine, &|| true);
         let c = &goods.cleared[0];
         let inside = |p: DVec2| (0..c.len()).all(|k| {
             let (a, b) = (c[k], c[(k + 1) % c.len()]);
@@ -165,7 +165,7 @@ fn shell_parts() -> PartSet {
     let mesh = vector_sum(&arc(16, 4500.0, 1200.0), &folded(16, 105.0, 40.0));
     let (panels, issues) = thicken(&mesh, &ThickenParams::new(10.0)).unwrap();
     assert!(issues.iter().all(|i| !i.is_fatal()));
-    let (parts, issues) = map_parts(&panels, &FeatureSet::default(), &MapParams::default());
+    let (parts, issues) = map_parts(&panels, &FeatureSet::default(), &MapParams::default(), &|| true);
     assert!(issues.is_empty(), "{issues:?}");
     parts
 }
@@ -179,7 +179,7 @@ fn the_shell_fits_on_four_boards_and_every_layout_is_valid() {
     assert!(paths.issues.is_empty(), "{}", paths.issues[0]);
     let board = Board { size: DVec2::new(1500.0, 3000.0), thickness: 10.0, margin: 5.0 };
     for grain in [Grain::Directed, Grain::Axis, Grain::Free] {
-        let goods = Goods { grain, ..Goods::of_parts(&parts, &paths, &machine) };
+        let goods = Goods { grain, ..Goods::of_parts(&parts, &paths, &machine, &|| true) };
         let packed = RowPacker::default().pack(&goods, &board, &go).unwrap();
         assert!(packed.left_out.is_empty());
         assert_eq!(packed.layout.placements.len(), 256);
@@ -192,7 +192,7 @@ fn the_shell_fits_on_four_boards_and_every_layout_is_valid() {
         assert!(packed.layout.boards <= 4);
         assert_eq!(check_layout(&packed.layout, Bounds::Cleared, 1e-6), []);
         if grain == Grain::Directed {
-            let (placed, issues) = place_paths(&paths, &packed.layout, &machine);
+            let (placed, issues) = place_paths(&paths, &packed.layout, &machine, &|| true);
             assert!(issues.is_empty());
             let key = |o: &Operation| (o.board, o.purpose, o.tool);
             assert!(
@@ -211,10 +211,10 @@ fn same_bytes_for_any_number_of_threads() {
         pool.install(|| {
             let (machine, parts, params) = (test_machine(), shell_parts(), PathParams::default());
             let paths = cut_parts(&parts, &machine, &params, &go).unwrap();
-            let goods = Goods::of_parts(&parts, &paths, &machine);
+            let goods = Goods::of_parts(&parts, &paths, &machine, &|| true);
             let board = Board { size: DVec2::new(1500.0, 3000.0), thickness: 10.0, margin: 5.0 };
             let packed = RowPacker::default().pack(&goods, &board, &go).unwrap();
-            let (placed, _) = place_paths(&paths, &packed.layout, &machine);
+            let (placed, _) = place_paths(&paths, &packed.layout, &machine, &|| true);
             (parts, packed, placed)
         })
     };
@@ -352,6 +352,7 @@ fn marks_become_fixing_holes_and_engraving_before_the_contour() {
         &panel_set(&[slanted_quad(300.0, 110.0, 40.0, [0.1; 4])], 10.0, DAffine3::IDENTITY),
         &FeatureSet::default(),
         &MapParams { align: Align::FirstEdge, axis: GrainAxis::Y, ..MapParams::default() },
+        &|| true,
     )
     .0;
     let machine = test_machine();
@@ -370,11 +371,11 @@ fn a_part_that_leaves_the_travel_is_named_and_left_out() {
     let parts = part([0.0; 4], 0.0, Up::Front, 10.0);
     let params = PathParams::default();
     let paths = cut_parts(&parts, &machine, &params, &go).unwrap();
-    let goods = Goods::of_parts(&parts, &paths, &machine);
+    let goods = Goods::of_parts(&parts, &paths, &machine, &|| true);
     let board = Board { size: DVec2::new(1500.0, 3000.0), thickness: 10.0, margin: 5.0 };
     let mut layout = RowPacker::default().pack(&goods, &board, &go).unwrap().layout;
     layout.placements[0].offset.x = 1500.0;
-    let (placed, issues) = place_paths(&paths, &layout, &machine);
+    let (placed, issues) = place_paths(&paths, &layout, &machine, &|| true);
     assert!(placed.tip.is_empty());
     assert!(matches!(issues[0].error, PathError::Travel { letter: 'X', .. }));
 }

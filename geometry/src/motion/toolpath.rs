@@ -276,11 +276,17 @@ fn make_feature(
 
 /// Puts the paths of all placed parts on their boards, ordered by board, purpose, tool, then the layout's order. A
 /// part whose moves leave the travel of X or Y is left out and named. O(p log p + moves).
+/// Stops early when `go` says no, and what there is then is of no use.
 #[must_use]
-pub fn place_paths(paths: &PartPaths, layout: &Layout, machine: &Machine) -> (ToolPaths, Vec<PathIssue>) {
+pub fn place_paths(
+    paths: &PartPaths,
+    layout: &Layout,
+    machine: &Machine,
+    go: &(dyn Fn() -> bool + Sync),
+) -> (ToolPaths, Vec<PathIssue>) {
     let mut issues = Vec::new();
     let mut order = Vec::new();
-    for (rank, place) in layout.placements.iter().enumerate() {
+    for (rank, place) in layout.placements.iter().enumerate().take_while(|_| go()) {
         let ops = paths.of_part(place.part as usize);
         let moves = ops.first().map_or(0, |o| o.moves.start as usize)..ops.last().map_or(0, |o| o.moves.end as usize);
         let out_of_reach = paths.paths.tip[moves].iter().find_map(|p| {
@@ -298,7 +304,7 @@ pub fn place_paths(paths: &PartPaths, layout: &Layout, machine: &Machine) -> (To
     let total = order.iter().map(|(.., op)| op.moves.len()).sum();
     let mut out = ToolPaths { operations: Vec::with_capacity(order.len()), ..ToolPaths::default() };
     reserve(&mut out, total);
-    for (board, _, _, rank, op) in order {
+    for (board, _, _, rank, op) in order.into_iter().take_while(|_| go()) {
         let place = &layout.placements[rank];
         let from = out.tip.len() as u32;
         let moves = op.moves.start as usize..op.moves.end as usize;

@@ -185,4 +185,7 @@ pub enum ThickenError {
         /// Edge of the face.
         edge: u32,
     },
+    /// The caller asked to stop.
+    #[error("cancelled")]
+    Cancelled,
 }

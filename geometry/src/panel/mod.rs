@@ -12,7 +12,7 @@ pub use border::{BorderCut, BorderRule, EdgeCut};
 pub use issue::{PanelIssue, ThickenError};
 pub use set::{EdgeRef, PanelSet, Side};
 pub use solid::Solid;
-pub use thicken::{Nodes, ThickenParams, thicken};
+pub use thicken::{Nodes, ThickenParams, thicken, thicken_while};
 
 #[cfg(test)]
 mod faults;

@@ -99,19 +99,39 @@ impl ThickenParams {
 /// Parameters out of range, a mesh that is broken, not manifold or not consistently oriented, a border cut for an edge
 /// that is no border edge.
 pub fn thicken(mesh: &Mesh, params: &ThickenParams) -> Result<(PanelSet, Vec<PanelIssue>), ThickenError> {
+    thicken_while(mesh, params, &|| true)
+}
+
+/// As [`thicken`]; stops between two of its seven passes over all corners when `go` says no.
+///
+/// # Errors
+/// As [`thicken`], and [`ThickenError::Cancelled`].
+pub fn thicken_while(
+    mesh: &Mesh,
+    params: &ThickenParams,
+    go: &(dyn Fn() -> bool + Sync),
+) -> Result<(PanelSet, Vec<PanelIssue>), ThickenError> {
+    let on = || if go() { Ok(()) } else { Err(ThickenError::Cancelled) };
     params.check()?;
     let adjacency = Adjacency::new(mesh)?;
+    on()?;
     let mut work = Work::new(mesh, &adjacency, params);
     work.fit_faces();
+    on()?;
     work.cut_edges()?;
+    on()?;
     work.propose_corners();
+    on()?;
     if params.nodes == Nodes::Void {
         work.widen_nodes();
+        on()?;
     }
     // First the panels that are impossible by themselves, so that they do not take their neighbours along.
     work.check_offsets(Nodes::Keep);
+    on()?;
     if params.nodes == Nodes::Void {
         work.check_offsets(Nodes::Void);
+        on()?;
     }
     let set = work.finish();
     work.issues.sort_by_key(PanelIssue::face);

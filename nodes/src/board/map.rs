@@ -55,7 +55,11 @@ fn run(c: &mut Call) -> Result<(), Fail> {
         fixing: Some(fixing).filter(|f| f.count > 0),
         address: Some(address).filter(|a| a.height > 0.0),
     };
-    let (parts, issues) = map_parts(c.item::<V<PanelSet>>("panels")?, &features, &params);
+    let monitor = c.monitor();
+    let (parts, issues) = map_parts(c.item::<V<PanelSet>>("panels")?, &features, &params, &|| !monitor.cancelled());
+    if c.cancelled() {
+        return Err(Fail::cancelled());
+    }
     for issue in &issues {
         let (panel, code) = match issue {
             MapIssue::NoDirection { panel, .. } => (*panel, "map-no-direction"),

@@ -37,7 +37,7 @@ fn run(c: &mut Call) -> Result<(), Fail> {
     let parts = c.item::<V<PartSet>>("parts")?;
     let machine = &c.item::<V<MachineFile>>("machine")?.machine;
     let monitor = c.monitor();
-    let mut goods = Goods::of_parts(parts, c.item::<V<PartPaths>>("paths")?, machine);
+    let mut goods = Goods::of_parts(parts, c.item::<V<PartPaths>>("paths")?, machine, &|| !monitor.cancelled());
     goods.gap = c.number("gap")?;
     goods.grain = match c.text("turns")? {
         "half" => Grain::Axis,

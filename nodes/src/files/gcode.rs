@@ -1,7 +1,7 @@
 //! `write_gcode`: programs as files, withheld until proven.
 
 use crate::value::Program;
-use tenon_engine::{File, NodeType, Port};
+use tenon_engine::{File, NodeType, Port, stop};
 
 pub(super) fn nodes() -> Vec<NodeType> {
     vec![
@@ -22,7 +22,7 @@ pub(super) fn nodes() -> Vec<NodeType> {
                     bytes: p.posted.text.as_bytes().into(),
                     withheld: p.standing.withheld(),
                 };
-                let files = c.list::<Program>("programs")?.iter().map(file).collect();
+                let files = c.list::<Program>("programs")?.iter().inspect(|_| stop::check()).map(file).collect();
                 c.set_list("files", files);
                 Ok(())
             }),

@@ -1,5 +1,6 @@
 //! The layout drawing as plain polygons in board frames: what DXF, SVG and JSON write, each in its own words.
 
+use tenon_engine::stop::{self, Stoppable};
 use tenon_geometry::board::{Board, Layout, PartSet, Placement, Up};
 use tenon_geometry::joint::{Feature, Machining};
 use tenon_geometry::{DAffine3, DVec2, DVec3};
@@ -122,6 +123,7 @@ pub fn draw(parts: &PartSet, layout: &Layout) -> Result<Drawing, DrawingError> {
     let features = by_part(&parts.features.features, n)?;
     let mut pieces = Vec::with_capacity(layout.placements.len());
     for (placement, p) in layout.placements.iter().enumerate() {
+        stop::check();
         if p.part as usize >= n || p.board >= layout.boards {
             let (part, board) = (p.part, p.board);
             return Err(DrawingError::NoSuchPlace { placement, part, board, parts: n, boards: layout.boards });
@@ -134,7 +136,7 @@ pub fn draw(parts: &PartSet, layout: &Layout) -> Result<Drawing, DrawingError> {
 /// Features of each part, in their order.
 pub(super) fn by_part(features: &[Feature], parts: usize) -> Result<Vec<Vec<&Feature>>, DrawingError> {
     let mut rows = vec![Vec::new(); parts];
-    for (feature, f) in features.iter().enumerate() {
+    for (feature, f) in features.iter().enumerate().stoppable() {
         let Some(row) = rows.get_mut(f.panel as usize) else {
             return Err(DrawingError::NoSuchPart { feature, part: f.panel, parts });
         };

@@ -5,6 +5,7 @@ use super::lines::{document, json};
 use serde::Serialize;
 use std::borrow::Cow;
 use std::fmt::Write as _;
+use tenon_engine::stop;
 use tenon_geometry::DVec3;
 use tenon_geometry::board::{Layout, PartSet, Placement};
 use tenon_geometry::joint::{Feature, FeatureSet, Hardware, Machining};
@@ -91,7 +92,7 @@ fn list(parts: &PartSet, layout: &Layout) -> Result<Vec<Piece>, DrawingError> {
     }
     let made = by_part(&parts.features.features, n)?;
     let by_hand = by_part(&parts.features.by_hand, n)?;
-    let pieces = (0..n).filter(|&i| panels.is_valid(i)).map(|i| {
+    let pieces = (0..n).inspect(|_| stop::check()).filter(|&i| panels.is_valid(i)).map(|i| {
         let place = places[i];
         let machine = made[i].iter().filter_map(|f| hole(f, false));
         Piece {
@@ -169,7 +170,7 @@ pub fn write_pieces_json(parts: &PartSet, layout: &Layout) -> Result<Vec<u8>, Dr
         total,
         hardware: parts.features.hardware.iter().map(count).collect(),
     };
-    Ok(document(&head, [("pieces", pieces.iter().map(json).collect())]))
+    Ok(document(&head, [("pieces", pieces.iter().inspect(|_| stop::check()).map(json).collect())]))
 }
 
 /// Writes the piece list as CSV (RFC 4180, a header line, points as decimal marks). Lengths have 3 decimals (mm), areas
@@ -184,6 +185,7 @@ pub fn write_pieces_csv(parts: &PartSet, layout: &Layout) -> Result<Vec<u8>, Dra
         "address,board,x,y,turn_deg,thickness,area,volume,sides,lengths,chamfers_deg,neighbours,holes,by_hand\r\n",
     );
     for p in list(parts, layout)? {
+        stop::check();
         let place = match (p.board, p.x, p.y, p.turn_deg) {
             (Some(b), Some(x), Some(y), Some(t)) => format!("{},{},{},{}", b + 1, fixed(x), fixed(y), fixed(t)),
             _ => ",,,".to_owned(),

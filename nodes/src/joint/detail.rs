@@ -6,7 +6,7 @@ use tenon_engine::{Call, Fail, NodeType, Port, Text, Unit};
 use tenon_geometry::board::Up;
 use tenon_geometry::joint::{
     Direction, EdgeSelection, Fastener, FastenerError, FastenerRule, FeatureSet, Head, Height, JointIssue, OutOfReach,
-    Pin, PinKind, ReachRule, ShortEdge, Toe, ToeLength, check_reach, lay_fasteners,
+    Pin, PinKind, ReachRule, ShortEdge, Toe, ToeLength, check_reach, lay_all,
 };
 use tenon_geometry::panel::PanelSet;
 
@@ -54,7 +54,9 @@ pub(crate) fn node() -> NodeType {
 fn run(c: &mut Call) -> Result<(), Fail> {
     let rule = rule(c)?;
     let panels = c.item::<V<PanelSet>>("panels")?;
-    let (features, issues) = lay_fasteners(panels, &rule).map_err(|e| rule_fail(&e))?;
+    let monitor = c.monitor();
+    let laid = lay_all(panels, std::slice::from_ref(&rule), &|| !monitor.cancelled());
+    let (features, issues) = laid.map_err(|e| rule_fail(&e))?;
     for issue in &issues {
         if issue.is_fatal() { c.report(issue_fail(panels, issue)) } else { c.warn(issue_fail(panels, issue)) }
     }
@@ -67,12 +69,16 @@ fn run(c: &mut Call) -> Result<(), Fail> {
 /// Sorts out what the machine cannot reach, if there is one at "machine", as "out_of_reach" says.
 pub(crate) fn reached(c: &mut Call, panels: &PanelSet, features: FeatureSet) -> Result<FeatureSet, Fail> {
     let Some(machine) = c.optional::<V<MachineFile>>("machine") else { return Ok(features) };
+    let monitor = c.monitor();
     let by_hand = c.text("out_of_reach")? == "by hand";
     let reach = ReachRule {
         out_of_reach: if by_hand { OutOfReach::ByHand } else { OutOfReach::Refuse },
         ..ReachRule::new(up(c)?)
     };
-    let (features, issues) = check_reach(panels, features, &machine.machine, &reach);
+    let (features, issues) = check_reach(panels, features, &machine.machine, &reach, &|| !monitor.cancelled());
+    if c.cancelled() {
+        return Err(Fail::cancelled());
+    }
     for issue in &issues {
         let message = with_address(panels, issue.panel, issue);
         let fail = Fail::new("feature-out-of-reach", message).port("machine").item(issue.panel as usize);
@@ -153,5 +159,8 @@ fn issue_fail(panels: &PanelSet, issue: &JointIssue) -> Fail {
 }
 
 fn rule_fail(error: &FastenerError) -> Fail {
-    Fail::new("bad-parameter", error.to_string())
+    match error {
+        FastenerError::Cancelled => Fail::cancelled(),
+        _ => Fail::new("bad-parameter", error.to_string()),
+    }
 }

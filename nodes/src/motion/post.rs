@@ -29,12 +29,17 @@ pub(super) fn node() -> NodeType {
                 addresses: &parts.panels.address,
                 header: &[],
             };
-            let (moves, issues) =
-                place_paths(c.item::<V<PartPaths>>("paths")?, c.item::<V<Layout>>("layout")?, &machine.machine);
+            let monitor = c.monitor();
+            let go = || !monitor.cancelled();
+            let (paths, layout) = (c.item::<V<PartPaths>>("paths")?, c.item::<V<Layout>>("layout")?);
+            let (moves, issues) = place_paths(paths, layout, &machine.machine, &go);
+            if c.cancelled() {
+                return Err(Fail::cancelled());
+            }
             for issue in &issues {
                 c.report(issue_fail(parts, issue));
             }
-            let posted = post(&moves, &machine.machine, &machine.words, &params).map_err(|e| post_fail(&e))?;
+            let posted = post(&moves, &machine.machine, &machine.words, &params, &go).map_err(|e| post_fail(&e))?;
             let programs =
                 posted.into_iter().map(|p| Program { posted: Arc::new(p), standing: Standing::Unproven }).collect();
             c.set_list("programs", programs);
@@ -44,6 +49,7 @@ pub(super) fn node() -> NodeType {
 
 fn post_fail(error: &PostError) -> Fail {
     let code = match error {
+        PostError::Cancelled => return Fail::cancelled(),
         PostError::Limit { .. } | PostError::Orientation { .. } => "axis-limit",
         PostError::Turn { .. } => "turn-at-feed",
         PostError::NoTool { .. } => "no-such-tool",

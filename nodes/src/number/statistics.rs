@@ -1,5 +1,6 @@
 //! `statistics`: a list of numbers in short.
 
+use tenon_engine::stop::Stoppable;
 use tenon_engine::{Fail, NodeType, Port, Statistics, Unit};
 
 pub(super) fn node() -> NodeType {
@@ -25,7 +26,7 @@ pub(super) fn node() -> NodeType {
     .fold(node, |node, (name, doc)| node.output(Port::item::<f64>(name).doc(doc)))
     .run(|c| {
         let all = c.list_gaps::<f64>("numbers");
-        let numbers: Vec<f64> = all.iter().flatten().map(|x| **x).collect();
+        let numbers: Vec<f64> = all.iter().stoppable().flatten().map(|x| **x).collect();
         let s = Statistics::of(&numbers)
             .ok_or_else(|| Fail::new("empty-list", "there is no number in the list").port("numbers"))?;
         if !(s.sum.is_finite() && s.deviation.is_finite()) {

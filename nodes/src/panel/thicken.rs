@@ -4,7 +4,9 @@ use crate::mesh::mesh_fail;
 use crate::value::{V, Vector, with_address};
 use tenon_engine::{Call, Fail, NodeType, Port, Text, Unit};
 use tenon_geometry::mesh::Mesh;
-use tenon_geometry::panel::{BorderCut, BorderRule, Nodes, PanelIssue, PanelSet, ThickenError, ThickenParams, thicken};
+use tenon_geometry::panel::{
+    BorderCut, BorderRule, Nodes, PanelIssue, PanelSet, ThickenError, ThickenParams, thicken_while,
+};
 
 /// Sides with their three ports: how, limit plane, angle.
 const SIDES: [(&str, &str, &str, &str); 5] = [
@@ -65,7 +67,9 @@ fn run(c: &mut Call) -> Result<(), Fail> {
     params.nodes = if c.text("nodes")? == "keep" { Nodes::Keep } else { Nodes::Void };
     params.planar_within = c.number("planar_within")?;
     params.project_up_to = c.number("project_up_to")?;
-    let (panels, issues) = thicken(c.item::<V<Mesh>>("mesh")?, &params).map_err(|e| thicken_fail(&e))?;
+    let monitor = c.monitor();
+    let made = thicken_while(c.item::<V<Mesh>>("mesh")?, &params, &|| !monitor.cancelled());
+    let (panels, issues) = made.map_err(|e| thicken_fail(&e))?;
     if !panels.is_empty() && issues.iter().filter(|i| i.is_fatal()).count() == panels.len() {
         // Nothing is left to go on with: the first reason is the node's error, the others are reported beside it.
         for issue in &issues[1..] {
@@ -118,6 +122,7 @@ fn issue_fail(panels: &PanelSet, issue: &PanelIssue) -> Fail {
 fn thicken_fail(error: &ThickenError) -> Fail {
     match error {
         ThickenError::Mesh(e) => mesh_fail(e),
+        ThickenError::Cancelled => Fail::cancelled(),
         ThickenError::Thickness(_) => Fail::new("out-of-range", error.to_string()).port("thickness"),
         _ => Fail::new("bad-parameter", error.to_string()),
     }

@@ -75,4 +75,7 @@ pub enum PostError {
         /// The value.
         value: f64,
     },
+    /// The caller asked to stop.
+    #[error("cancelled")]
+    Cancelled,
 }

@@ -48,7 +48,7 @@ fn chain_on(machine: &str, columns: usize, rows: usize, thickness: f64) -> Chain
     // 21 mm take toe screws as well here: their pilots enter from above on either board.
     let (features, _) = lay_fasteners(&panels, &FastenerRule::toe_screws(map.up)).unwrap();
     let path_params = PathParams::default();
-    let (mut parts, _) = map_parts(&panels, &features, &map);
+    let (mut parts, _) = map_parts(&panels, &features, &map, &|| true);
     // What no tool reaches is made by hand.
     let tried = cut_parts(&parts, &file.machine, &path_params, &|_| true).unwrap();
     let out_of_reach = |k: u32| tried.issues.iter().any(|i| i.place == Place::Feature(k));
@@ -56,14 +56,14 @@ fn chain_on(machine: &str, columns: usize, rows: usize, thickness: f64) -> Chain
     parts.features.features.retain(|_| !out_of_reach(index.next().unwrap()));
     let paths = cut_parts(&parts, &file.machine, &path_params, &|_| true).unwrap();
     assert!(paths.issues.is_empty(), "{:?}", paths.issues);
-    let goods = Goods::of_parts(&parts, &paths, &file.machine);
+    let goods = Goods::of_parts(&parts, &paths, &file.machine, &|| true);
     let board = Board { size: tenon_geometry::DVec2::new(1500.0, 3000.0), thickness, margin: 10.0 };
     let packed = RowPacker::default().pack(&goods, &board, &|_| true).unwrap();
     assert!(packed.left_out.is_empty(), "{:?}", packed.left_out);
-    let (placed, issues) = place_paths(&paths, &packed.layout, &file.machine);
+    let (placed, issues) = place_paths(&paths, &packed.layout, &file.machine, &|| true);
     assert!(issues.is_empty(), "{issues:?}");
     let params = PostParams { name: "board", addresses: &parts.panels.address, header: &[] };
-    let programs = post(&placed, &file.machine, &file.words, &params).unwrap();
+    let programs = post(&placed, &file.machine, &file.words, &params, &|| true).unwrap();
     Chain { file, parts, layout: packed.layout, programs }
 }
 

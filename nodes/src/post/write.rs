@@ -81,6 +81,7 @@ pub fn post(
     machine: &Machine,
     words: &Words,
     params: &PostParams,
+    go: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<PostedProgram>, PostError> {
     let mut boards: Vec<Range<usize>> = Vec::new();
     for (k, op) in paths.operations.iter().enumerate() {
@@ -89,7 +90,7 @@ pub fn post(
             _ => boards.push(k..k + 1),
         }
     }
-    boards.into_par_iter().map(|range| Writer::new(paths, machine, words, params, range).program()).collect()
+    boards.into_par_iter().map(|range| Writer::new(paths, machine, words, params, range).program(go)).collect()
 }
 
 /// Writes the program of one board.
@@ -141,7 +142,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn program(mut self) -> Result<PostedProgram, PostError> {
+    fn program(mut self, go: &(dyn Fn() -> bool + Sync)) -> Result<PostedProgram, PostError> {
         let opening = [self.name.clone(), "status: not proven".into(), format!("machine: {}", self.machine.name)];
         for line in opening.iter().chain(self.params.header) {
             self.put(&comment(self.words, line));
@@ -152,6 +153,9 @@ impl<'a> Writer<'a> {
         }
         let mut loaded = None;
         for op in self.operations {
+            if !go() {
+                return Err(PostError::Cancelled);
+            }
             let Some(tool) = self.machine.tools.get(op.tool as usize) else {
                 let count = self.machine.tools.len();
                 return Err(PostError::NoTool { part: self.part(op), tool: op.tool, count });
@@ -382,7 +386,7 @@ mod tests {
         let file = machine_preset("maka-mm7s").unwrap();
         let tilt = 20f64.to_radians();
         let ways = paths(&[(DVec3::new(100.0, 200.0, -5.0), tilt, 0.0)]);
-        let mut programs = post(&ways, &file.machine, &file.words, &params()).unwrap();
+        let mut programs = post(&ways, &file.machine, &file.words, &params(), &|| true).unwrap();
         programs[0].set_status(&file.words, "proven (all)");
         assert_eq!(programs[0].file_name(), "board-1.ngc");
         let expected = "(board-1)\n(status: proven [all])\n(machine: MAKA MM7s)\nG21 G90 G17 G40 G49 G80\nG54\nG0 Z60.000\n\
@@ -396,7 +400,7 @@ mod tests {
     fn beyond_an_axis_is_an_error_that_says_by_how_much() {
         let file = machine_preset("maka-mm7s").unwrap();
         let ways = paths(&[(DVec3::new(1600.0, 200.0, 5.0), 0.0, 0.0)]);
-        let error = post(&ways, &file.machine, &file.words, &params()).unwrap_err();
+        let error = post(&ways, &file.machine, &file.words, &params(), &|| true).unwrap_err();
         match &error {
             PostError::Limit { line: 14, axis: 'X', value, by, .. } => {
                 assert_eq!((*value, *by), (1720.0, 70.0));
@@ -405,11 +409,14 @@ mod tests {
         }
         assert!(error.to_string().contains("70.000 mm beyond"), "{error}");
         let ways = paths(&[(DVec3::new(100.0, 200.0, 5.0), 2.5, 0.0)]);
-        let error = post(&ways, &file.machine, &file.words, &params()).unwrap_err();
+        let error = post(&ways, &file.machine, &file.words, &params(), &|| true).unwrap_err();
         assert!(error.to_string().contains("axis B"), "{error}");
         let mut ways = paths(&[(DVec3::new(100.0, 200.0, 5.0), 0.1, 0.0)]);
         ways.tip[1].y = f64::NAN;
-        assert!(matches!(post(&ways, &file.machine, &file.words, &params()), Err(PostError::NotANumber { .. })));
+        assert!(matches!(
+            post(&ways, &file.machine, &file.words, &params(), &|| true),
+            Err(PostError::NotANumber { .. })
+        ));
     }
 
     #[test]
@@ -417,7 +424,7 @@ mod tests {
         let file = machine_preset("maka-mm7s").unwrap();
         let mut ways = paths(&[(DVec3::new(100.0, 200.0, 5.0), 0.5, 0.0)]);
         ways.axis[2] = DVec3::new(-0.5f64.sin(), 0.01, 0.5f64.cos()).normalize();
-        assert!(matches!(post(&ways, &file.machine, &file.words, &params()), Err(PostError::Turn { .. })));
+        assert!(matches!(post(&ways, &file.machine, &file.words, &params(), &|| true), Err(PostError::Turn { .. })));
     }
 
     proptest! {
@@ -439,7 +446,7 @@ mod tests {
                 file.machine.linear[0] = tenon_geometry::machine::Axis { letter: 'X', min: -1e3, max: 3e3 };
                 file.machine.linear[1] = tenon_geometry::machine::Axis { letter: 'Y', min: -1e3, max: 5e3 };
             }
-            let programs = post(&ways, &file.machine, &file.words, &params()).unwrap();
+            let programs = post(&ways, &file.machine, &file.words, &params(), &|| true).unwrap();
             let mut k = 0;
             for program in &programs {
                 let motions = parse_program(program.text.as_bytes(), &file.machine).unwrap();

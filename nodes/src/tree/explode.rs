@@ -1,6 +1,7 @@
 //! Takes a mesh, a curve or panels apart into lists and trees; the first step of every path is the face, strip or panel.
 
 use crate::value::{Point, V, Vector};
+use tenon_engine::stop::{Pending, Stoppable};
 use tenon_engine::{Column, Item, NodeType, Path, Port, Text, Tree, Unit};
 use tenon_geometry::ifs::Curve;
 use tenon_geometry::mesh::Mesh;
@@ -17,7 +18,9 @@ fn node(id: &'static str, name: &'static str, doc: &'static str) -> NodeType {
 /// A branch per element.
 fn branches<T: Item>(count: usize, items: impl Fn(usize) -> Vec<Option<T>>) -> Tree {
     let branch = |i: usize| (Path::new(vec![i32::try_from(i).unwrap_or(i32::MAX)]), Column::with_gaps(items(i)));
-    Tree::from_branches((0..count).map(branch).collect())
+    let mut all = Pending::new(Vec::with_capacity(count));
+    all.extend((0..count).stoppable().map(branch));
+    Tree::from_branches(all.take())
 }
 
 fn mesh() -> NodeType {
@@ -30,11 +33,11 @@ fn mesh() -> NodeType {
         .run(|c| {
             let mesh = c.item::<V<Mesh>>("mesh")?;
             let n = mesh.face_count();
-            c.set_list("points", mesh.points.iter().map(|p| Point(*p)).collect());
+            c.set_list("points", mesh.points.iter().stoppable().map(|p| Point(*p)).collect());
             c.set_tree("faces", branches(n, |f| mesh.face(f).iter().map(|v| Some(i64::from(*v))).collect()));
             let corner = |v: &u32| mesh.points.get(*v as usize).map(|p| Point(*p));
             c.set_tree("corners", branches(n, |f| mesh.face(f).iter().map(corner).collect()));
-            c.set_list("addresses", mesh.addresses.iter().map(|a| Text::from(a.to_string())).collect());
+            c.set_list("addresses", mesh.addresses.iter().stoppable().map(|a| Text::from(a.to_string())).collect());
             Ok(())
         })
 }
@@ -72,7 +75,7 @@ fn panels() -> NodeType {
     .run(|c| {
         let set = c.item::<V<PanelSet>>("panels")?;
         let made = |i: &usize| set.is_valid(*i);
-        let each = || (0..set.len()).map(|i| Some(i).filter(made));
+        let each = || (0..set.len()).stoppable().map(|i| Some(i).filter(made));
         c.set_list_gaps("addresses", each().map(|i| i.map(|i| Text::from(set.address[i].to_string()))).collect());
         c.set_list_gaps("normals", each().map(|i| i.map(|i| Vector(set.normal[i]))).collect());
         let corners = |i: usize| set.corners(i).map(|k| Some(Point(set.front[k]))).collect();

@@ -1,5 +1,6 @@
 //! One list at a time, branch by branch: pick items, a part, shift, dispatch, sort.
 
+use tenon_engine::stop::Stoppable;
 use tenon_engine::{Access, Column, Fail, NodeType, Port};
 
 pub(super) fn nodes() -> Vec<NodeType> {
@@ -31,7 +32,7 @@ fn list_item() -> NodeType {
         .run(|c| {
             let (list, wrap) = (c.column("list")?, c.boolean("wrap")?);
             let mut order = Vec::new();
-            for (k, index) in c.list_gaps::<i64>("index").into_iter().enumerate() {
+            for (k, index) in c.list_gaps::<i64>("index").into_iter().enumerate().stoppable() {
                 let at = index.and_then(|i| place(*i, list.len(), wrap));
                 if let (Some(index), None) = (index, at) {
                     c.report(no_such_place(*index, list.len()).item(k));
@@ -72,18 +73,18 @@ fn sublist() -> NodeType {
                 // Places that are not there need not be counted through.
                 (low, high) = (low.max(0), high.min(list.len() as i64 - 1));
             }
-            let mut order: Vec<usize> = (low..=high).filter_map(|i| place(i, list.len(), wrap)).collect();
+            let mut order: Vec<usize> = (low..=high).stoppable().filter_map(|i| place(i, list.len(), wrap)).collect();
             if from > to {
                 order.reverse();
             }
             c.set_column("items", pick(&list, &order));
-            c.set_list("index", order.into_iter().map(|i| i as i64).collect());
+            c.set_list("index", order.into_iter().stoppable().map(|i| i as i64).collect());
             Ok(())
         })
 }
 
 fn pick(list: &Column, order: &[usize]) -> Column {
-    list.pick(&order.iter().copied().map(Some).collect::<Vec<_>>())
+    list.pick(&order.iter().stoppable().copied().map(Some).collect::<Vec<_>>())
 }
 
 fn shift() -> NodeType {
@@ -100,7 +101,7 @@ fn shift() -> NodeType {
             let places = usize::try_from(by.unsigned_abs()).unwrap_or(usize::MAX);
             let shifted = if c.boolean("wrap")? {
                 let first = place(by, n, true).unwrap_or(0);
-                pick(&list, &(first..n).chain(0..first).collect::<Vec<_>>())
+                pick(&list, &(first..n).chain(0..first).stoppable().collect::<Vec<_>>())
             } else if by >= 0 {
                 list.part(places.min(n), n)
             } else {
@@ -124,7 +125,8 @@ fn dispatch() -> NodeType {
             if pattern.is_empty() {
                 return Err(Fail::new("empty-list", "the pattern has no entry").port("pattern"));
             }
-            let (a, b): (Vec<usize>, Vec<usize>) = (0..list.len()).partition(|i| pattern[i % pattern.len()]);
+            let (a, b): (Vec<usize>, Vec<usize>) =
+                (0..list.len()).stoppable().partition(|i| pattern[i % pattern.len()]);
             c.set_column("a", pick(&list, &a));
             c.set_column("b", pick(&list, &b));
             Ok(())
@@ -159,7 +161,7 @@ fn sort() -> NodeType {
             })?;
             c.set_column("keys", pick(&keys, &order));
             c.set_column("values", along(&values, &keys, &order)?);
-            c.set_list("index", order.into_iter().map(|i| i as i64).collect());
+            c.set_list("index", order.into_iter().stoppable().map(|i| i as i64).collect());
             Ok(())
         })
 }

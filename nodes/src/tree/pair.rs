@@ -1,5 +1,6 @@
 //! Cross reference: pairs of the items of two lists.
 
+use tenon_engine::stop::{self, Stoppable};
 use tenon_engine::{Access, Fail, NodeType, Port};
 
 /// The most items that a node makes out of few: more would fill the memory and is more likely a slip than a wish.
@@ -46,7 +47,8 @@ fn cross_reference() -> NodeType {
             }
             let (mut first, mut second) = (Vec::new(), Vec::new());
             for i in 0..a.len() {
-                for j in (0..b.len()).filter(|j| keep(i, *j)) {
+                stop::check();
+                for j in (0..b.len()).stoppable().filter(|j| keep(i, *j)) {
                     first.push(Some(i));
                     second.push(Some(j));
                 }

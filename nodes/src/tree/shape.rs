@@ -1,5 +1,7 @@
 //! The whole tree: merge, entwine, graft, flatten, simplify, partition.
 
+use std::collections::BTreeSet;
+use tenon_engine::stop::{Pending, Stoppable};
 use tenon_engine::{Access, Call, Column, Fail, NodeType, Path, Port, Tree};
 
 pub(super) fn nodes() -> Vec<NodeType> {
@@ -35,10 +37,8 @@ fn reshape(id: &'static str, name: &'static str, doc: &'static str, run: fn(&Tre
 
 /// All items in one branch.
 fn flat(tree: &Tree) -> Result<Tree, Fail> {
-    let mut types: Vec<&str> = tree.branches().iter().map(|(_, c)| c.type_name()).collect();
-    types.sort_unstable();
-    types.dedup();
-    if let [first, second, ..] = types.as_slice() {
+    let types: BTreeSet<&str> = tree.branches().iter().stoppable().map(|(_, c)| c.type_name()).collect();
+    if let (Some(first), Some(second)) = (types.first(), types.iter().nth(1)) {
         let message = format!("{first} and {second} cannot be in one list");
         return Err(Fail::new("mixed-types", message));
     }
@@ -80,11 +80,11 @@ fn entwine() -> NodeType {
     .output(Port::any("tree", Access::Tree).doc("The branches of all inputs."))
     .run(|c| {
         let flatten = c.boolean("flatten")?;
-        let mut branches = Vec::new();
+        let mut branches = Pending::new(Vec::new());
         for (i, input) in INPUTS.into_iter().enumerate() {
             entwined(c, input, Path::root().child(i), flatten, &mut branches)?;
         }
-        c.set_tree("tree", Tree::from_branches(branches));
+        c.set_tree("tree", Tree::from_branches(branches.take()));
         Ok(())
     })
 }
@@ -96,7 +96,7 @@ fn entwined(c: &Call, input: &str, base: Path, flatten: bool, out: &mut Vec<(Pat
         out.extend(flat.branches().iter().map(|(_, column)| (base.clone(), column.clone())));
     } else {
         let below = |path: &Path| base.below(path.steps());
-        out.extend(tree.branches().iter().map(|(path, column)| (below(path), column.clone())));
+        out.extend(tree.branches().iter().stoppable().map(|(path, column)| (below(path), column.clone())));
     }
     Ok(())
 }
@@ -117,21 +117,22 @@ fn partition() -> NodeType {
         .output(Port::any("tree", Access::Tree).doc("The pieces."))
         .run(|c| {
             let (tree, sizes) = (c.tree("tree"), c.tree("sizes"));
-            let mut out = Vec::new();
-            for (b, (path, column)) in tree.branches().iter().enumerate() {
+            let mut out = Pending::new(Vec::new());
+            for (b, (path, column)) in tree.branches().iter().enumerate().stoppable() {
                 let sizes = sizes.branches().get(b).or_else(|| sizes.branches().last()).and_then(|(_, s)| known(s));
                 let pieces = sizes.and_then(|sizes| column.split(&sizes)).ok_or_else(|| {
                     Fail::new("no-size", format!("branch {path} has no size to cut it by, or not all are known"))
                         .port("sizes")
                 })?;
-                out.extend(pieces.into_iter().enumerate().map(|(i, piece)| (path.child(i), piece)));
+                let pieces = Pending::new(pieces);
+                out.extend(pieces.iter().enumerate().stoppable().map(|(i, piece)| (path.child(i), piece.clone())));
             }
-            c.set_tree("tree", Tree::from_branches(out));
+            c.set_tree("tree", Tree::from_branches(out.take()));
             Ok(())
         })
 }
 
 /// Sizes without gaps.
 fn known(sizes: &Column) -> Option<Vec<usize>> {
-    (0..sizes.len()).map(|i| sizes.get::<i64>(i).and_then(|s| usize::try_from(*s).ok())).collect()
+    (0..sizes.len()).stoppable().map(|i| sizes.get::<i64>(i).and_then(|s| usize::try_from(*s).ok())).collect()
 }
