@@ -1,8 +1,8 @@
 //! One session that goes through a script, with what it must not forget. Lanes differ in threads and in memory for the cache.
 
-use super::oracle::{Expected, Last, concerns, expected};
+use super::oracle::{Came, Expected, Last, concerns, expected};
 use super::script::Step;
-use super::world::{Calls, Disk, Who, registry};
+use super::world::{Calls, Disk, LIBRARY, Who, library, ports_of, registry};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -40,6 +40,21 @@ macro_rules! ensure {
             return Err(format!($($words)+));
         }
     };
+}
+
+/// The tag of a node, which may be within instances.
+fn tag(document: &Document, id: &str) -> i64 {
+    // Clusters stand at the top, however deep their instances are.
+    let (clusters, mut document) = (&document.clusters, document);
+    let mut steps = id.split('/').peekable();
+    while let Some(step) = steps.next() {
+        let Some(node) = document.nodes().get(step) else { break };
+        match node.cluster().and_then(|name| clusters.get(name)) {
+            Some(Cluster::Here(body)) if steps.peek().is_some() => document = body,
+            _ => return node.params.get("tag").and_then(Literal::as_i64).unwrap_or(0),
+        }
+    }
+    0
 }
 
 impl Lane {
@@ -103,6 +118,27 @@ impl Lane {
                     Some(n) => files.insert(name.clone(), vec![b'.'; *n]),
                     None => files.remove(name),
                 };
+            }
+            Step::Gather(ids, name, instance) => {
+                let ids: Vec<&str> = ids.iter().map(String::as_str).collect();
+                if let Ok(operation) = self.session.document().gather(&ids, name, instance) {
+                    self.edit(&operation)?;
+                }
+            }
+            Step::Explode(id) => {
+                if let Ok(paste) = self.session.document().explode(id, self.session.registry()) {
+                    self.edit(&paste.operation)?;
+                }
+            }
+            Step::Library(b) => {
+                let mut files = self.disk.0.lock().map_err(|e| e.to_string())?;
+                match b {
+                    Some(b) => files.insert(LIBRARY.into(), library(*b)),
+                    None => files.remove(LIBRARY),
+                };
+                drop(files);
+                self.session.refresh_links();
+                self.forget();
             }
             Step::Evaluate(targets) => return self.evaluate(targets, None).map(Some),
             Step::Cancel(after, targets) => return self.evaluate(targets, Some(*after)).map(Some),
@@ -200,10 +236,9 @@ impl Lane {
 
     fn all_values(&self) -> Vec<Option<u128>> {
         let document = self.session.document();
-        let ports =
-            document.nodes().iter().filter_map(|(id, n)| Some((id, self.session.registry().get(&n.type_name)?)));
+        let ports = document.nodes().iter().map(|(id, n)| (id, ports_of(document, &n.type_name).1));
         ports
-            .flat_map(|(id, t)| t.outputs().iter().map(move |p| format!("{id}.{}", p.name())))
+            .flat_map(|(id, ports)| ports.into_iter().map(move |p| format!("{id}.{p}")))
             .map(|name| self.session.value(&name).map(|t| t.digest()))
             .collect()
     }
@@ -212,9 +247,8 @@ impl Lane {
         let told: Vec<String> =
             report.diagnostics.iter().filter(|d| concerns(d, &expected.held)).map(ToString::to_string).collect();
         ensure!(told == expected.diagnostics, "it tells\n  {told:#?}\nfresh\n  {:#?}", expected.diagnostics);
-        for (id, (happened, outputs, _)) in &expected.nodes {
-            let Some(node) = self.session.document().nodes().get(id) else { continue };
-            let Some(t) = self.session.registry().get(&node.type_name) else { continue };
+        for (id, Came { type_name, happened, outputs, .. }) in &expected.nodes {
+            let Some(t) = self.session.registry().get(type_name) else { continue };
             for (port, tree) in t.outputs().iter().zip(outputs) {
                 let name = format!("{id}.{}", port.name());
                 let found = self.session.value(&name);
@@ -249,9 +283,8 @@ impl Lane {
         let document = self.session.document();
         let ran = |e: Event<&str>, id: &str| matches!(e, Event::Executed(n) | Event::Failed(n) if n == id);
         let mut groups: BTreeMap<Who, Vec<&String>> = BTreeMap::new();
-        for (id, node) in document.nodes() {
-            let tag = node.params.get("tag").and_then(Literal::as_i64).unwrap_or(0);
-            groups.entry((node.type_name.to_string(), tag)).or_default().push(id);
+        for (id, came) in &expected.nodes {
+            groups.entry((came.type_name.clone(), tag(document, id))).or_default().push(id);
         }
         for (who, count) in calls {
             let nodes = groups.get(who).ok_or_else(|| format!("{who:?} ran and is not there"))?;
@@ -277,7 +310,7 @@ impl Lane {
                 "{}: {executed} times executed in the log, {reported} in the report",
                 node.id
             );
-            let Some((_, outputs, digest)) = expected.nodes.get(node.id) else {
+            let Some(Came { outputs, digest, .. }) = expected.nodes.get(node.id) else {
                 return Err(format!("{} was looked at and is not needed", node.id));
             };
             if node.happened == Happened::Executed {
@@ -286,8 +319,7 @@ impl Lane {
                     .iter()
                     .flatten()
                     .any(|t| t.branches().iter().any(|(_, c)| (0..c.len()).any(|i| c.is_valid(i))));
-                let tag = document.nodes().get(node.id).and_then(|n| n.params.get("tag")).and_then(Literal::as_i64);
-                let who = (node.type_name.to_string(), tag.unwrap_or(0));
+                let who = (node.type_name.to_string(), tag(document, node.id));
                 ensure!(!made || calls.contains_key(&who), "{} is said to have run, and did not", node.id);
             }
         }
@@ -296,21 +328,17 @@ impl Lane {
 
     /// The most calls that one run of a node can make; where every output is a single item, that is one.
     fn lanes(&self, expected: &Expected, id: &str) -> usize {
-        let Some((Happened::Executed, outputs, _)) = expected.nodes.get(id) else { return usize::MAX / 64 };
-        let lists = self
-            .session
-            .document()
-            .nodes()
-            .get(id)
-            .is_some_and(|n| ["series", "split", "pass"].contains(&n.type_name.as_str()));
-        if lists {
+        let Some(Came { happened: Happened::Executed, type_name, outputs, .. }) = expected.nodes.get(id) else {
+            return usize::MAX / 64;
+        };
+        if ["series", "split", "pass"].contains(&type_name.as_str()) {
             return usize::MAX / 64;
         }
         outputs.iter().flatten().map(Tree::len).max().unwrap_or(0)
     }
 
     fn remember(&mut self, expected: &Expected) {
-        for (id, (happened, outputs, _)) in &expected.nodes {
+        for (id, Came { happened, outputs, .. }) in &expected.nodes {
             if expected.held.contains(id) {
                 continue;
             }
@@ -328,10 +356,10 @@ impl Lane {
     pub fn finish(&mut self) -> Result<(), String> {
         let ids: Vec<String> = self.session.document().nodes().keys().cloned().collect();
         for id in ids {
-            let node = self.session.document().nodes().get(&id).cloned().unwrap_or_default();
-            let t = self.session.registry().get(&node.type_name).cloned();
-            if let Some(port) = t.as_ref().and_then(|t| t.outputs().first()) {
-                self.evaluate(&[format!("{id}.{}", port.name())], None).map_err(|e| format!("asked for {id}: {e}"))?;
+            let document = self.session.document();
+            let ports = document.nodes().get(&id).map(|n| ports_of(document, &n.type_name).1).unwrap_or_default();
+            if let Some(port) = ports.first() {
+                self.evaluate(&[format!("{id}.{port}")], None).map_err(|e| format!("asked for {id}: {e}"))?;
             }
         }
         loop {

@@ -5,6 +5,7 @@
 //! `TENON_MODEL_STEPS` sets how many steps are taken (20,000), `TENON_MODEL_SEED` at which script to begin (0).
 
 mod lane;
+mod live;
 mod oracle;
 mod script;
 mod world;
@@ -100,4 +101,23 @@ fn after_any_script_a_session_is_what_a_fresh_one_is() {
     }
     println!("{scripts} scripts, {} evaluations compared, {} not", tally.compared, tally.skipped);
     assert!(tally.compared > 40 * scripts && tally.skipped * 20 < tally.compared, "too little was compared");
+}
+
+#[test]
+fn whatever_is_edited_while_it_runs_the_last_snapshot_is_what_a_fresh_session_comes_to() {
+    let first = number("TENON_MODEL_SEED", 0);
+    // It waits for other threads most of the time.
+    let scripts = number("TENON_MODEL_STEPS", 20_000).div_ceil(4 * LENGTH);
+    let mut compared = 0;
+    for seed in first..first + scripts {
+        let steps = script(seed as i64, LENGTH);
+        match live::run(&steps, seed as i64) {
+            Ok(more) => compared += more,
+            Err(why) => {
+                let steps: Vec<String> = steps.iter().enumerate().map(|(i, s)| format!("{i:3} {s:?}")).collect();
+                panic!("script {seed} goes wrong: {why}\n{}", steps.join("\n"));
+            }
+        }
+    }
+    assert!(compared > 5 * scripts, "too little was compared: {compared} in {scripts} scripts");
 }

@@ -13,10 +13,18 @@ pub struct Last {
     pub outputs: Vec<Tree>,
 }
 
+/// What came of one node.
+pub struct Came {
+    pub type_name: String,
+    pub happened: Happened,
+    pub outputs: Vec<Option<Tree>>,
+    pub digest: u128,
+}
+
 /// What must come out.
 pub struct Expected {
     /// Per node that is needed: what happens to it in a fresh session, its outputs if it has some, and their digest.
-    pub nodes: BTreeMap<String, (Happened, Vec<Option<Tree>>, u128)>,
+    pub nodes: BTreeMap<String, Came>,
     pub diagnostics: Vec<String>,
     pub files: Vec<(String, File)>,
     pub held: BTreeSet<String>,
@@ -69,6 +77,12 @@ pub fn expected(
     targets: &[String],
     disk: &Arc<Disk>,
 ) -> Option<Expected> {
+    // What instances keep is not followed.
+    if document.nodes().values().any(|n| n.cluster().is_some() && n.state == NodeState::Frozen)
+        || keeps_inside(document)
+    {
+        return None;
+    }
     let targets: Vec<&str> = targets.iter().map(String::as_str).collect();
     let mut fresh = session(document.clone(), Vec::new(), disk);
     let mut report = evaluate(&mut fresh, &targets);
@@ -81,7 +95,8 @@ pub fn expected(
         let t = fresh.registry().get(node.type_name);
         let value = |p: &Port| fresh.value(&format!("{}.{}", node.id, p.name()));
         let outputs = t.map_or_else(Vec::new, |t| t.outputs().iter().map(value).collect());
-        nodes.insert(node.id.to_string(), (node.happened, outputs, node.digest));
+        let (type_name, happened, digest) = (node.type_name.to_string(), node.happened, node.digest);
+        nodes.insert(node.id.to_string(), Came { type_name, happened, outputs, digest });
     }
     nodes.remove(WATCH);
     // A constant goes by the name of what it stands for.
@@ -97,6 +112,13 @@ pub fn expected(
 /// What a node has said that keeps its result is history too.
 pub fn concerns(d: &Diagnostic, held: &BTreeSet<String>) -> bool {
     d.node.as_deref().is_none_or(|node| node != WATCH && !held.contains(node))
+}
+
+fn keeps_inside(document: &Document) -> bool {
+    document.clusters.values().any(|c| match c {
+        Cluster::Here(body) => body.nodes().values().any(|n| n.state == NodeState::Frozen),
+        Cluster::File(_) => false,
+    })
 }
 
 fn with_constants(

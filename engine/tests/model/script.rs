@@ -1,6 +1,6 @@
 //! Random edit scripts. A step stays meaningful when others are taken out of the script, so failing ones can be shrunk.
 
-use super::world::TYPES;
+use super::world::{LIBRARY, TYPES, ports_of};
 use serde_json::json;
 use tenon_engine::*;
 
@@ -21,6 +21,12 @@ pub enum Step {
     Paste(Vec<String>),
     /// A file gets other content, or goes.
     File(String, Option<usize>),
+    /// These nodes become a cluster of that name, with an instance of that id.
+    Gather(Vec<String>, String, String),
+    /// An instance is taken apart.
+    Explode(String),
+    /// The file that clusters are linked from changes, or goes.
+    Library(Option<f64>),
     Evaluate(Vec<String>),
     /// An evaluation that is cancelled from within its n-th call of a node.
     Cancel(usize, Vec<String>),
@@ -59,13 +65,13 @@ fn known(dice: &mut Dice, document: &Document) -> String {
     if ids.is_empty() || dice.chance(3) { id(dice) } else { (*dice.of(&ids)).clone() }
 }
 
-fn ports(type_name: &str) -> Option<&'static (&'static str, &'static [&'static str], &'static [&'static str])> {
-    TYPES.iter().find(|t| t.0 == type_name)
+fn one(dice: &mut Dice, all: &[String], or: &str) -> String {
+    if all.is_empty() { or.to_owned() } else { dice.of(all).clone() }
 }
 
 fn input_of(dice: &mut Dice, document: &Document, node: &str) -> String {
-    let found = document.nodes().get(node).and_then(|n| ports(&n.type_name));
-    if dice.chance(2) { "nowhere".into() } else { found.map_or("a", |t| *dice.of(t.1)).to_owned() }
+    let found = document.nodes().get(node).map(|n| ports_of(document, &n.type_name).0).unwrap_or_default();
+    if dice.chance(2) { "nowhere".into() } else { one(dice, &found, "a") }
 }
 
 /// An output of another node; hardly ever one that makes a circle.
@@ -75,7 +81,8 @@ fn source(dice: &mut Dice, document: &Document, of: &str) -> String {
         return format!("{}.value", id(dice));
     }
     let node = *dice.of(&earlier);
-    let port = document.nodes().get(node).and_then(|n| ports(&n.type_name)).map_or("value", |t| *dice.of(t.2));
+    let ports = document.nodes().get(node).map(|n| ports_of(document, &n.type_name).1).unwrap_or_default();
+    let port = one(dice, &ports, "value");
     format!("{node}.{port}")
 }
 
@@ -122,6 +129,64 @@ fn node(dice: &mut Dice, document: &Document, id: &str) -> Node {
     node
 }
 
+/// An instance of one of the clusters that are there.
+fn instance(dice: &mut Dice, document: &Document, id: &str) -> Option<Node> {
+    let names: Vec<&String> = document.clusters.keys().collect();
+    if names.is_empty() {
+        return None;
+    }
+    let mut node = Node::instance(names[dice.below(names.len())]);
+    for port in ports_of(document, &node.type_name).0 {
+        if dice.chance(60) {
+            node.inputs.insert(port, wires(dice, document, id));
+        } else if dice.chance(50) {
+            node.params.insert(port, value(dice));
+        }
+    }
+    Some(node)
+}
+
+/// Something done to a node within a cluster, and seldom to the cluster itself.
+fn in_cluster(dice: &mut Dice, document: &Document) -> Option<Operation> {
+    let names: Vec<&String> = document.clusters.keys().collect();
+    if names.is_empty() {
+        return None;
+    }
+    let name = (*dice.of(&names)).clone();
+    if dice.chance(8) {
+        return Some(Operation::SetCluster { name, cluster: None });
+    }
+    let Some(Cluster::Here(body)) = document.clusters.get(&name) else { return None };
+    let node = known(dice, body);
+    let operation = match dice.below(10) {
+        0..6 => {
+            Operation::SetParam { port: input_of(dice, body, &node), value: dice.chance(80).then(|| value(dice)), node }
+        }
+        6 => Operation::Connect { port: input_of(dice, body, &node), from: source(dice, body, &node), at: None, node },
+        7 => Operation::SetState { node, state: *dice.of(&[NodeState::On, NodeState::Disabled, NodeState::Bypassed]) },
+        8 => Operation::RemoveNode { id: node },
+        _ => {
+            let id = id(dice);
+            Operation::AddNode { node: Box::new(self::node(dice, body, &id)), id }
+        }
+    };
+    // What is in a cluster keeps nothing: it would be another one's in every instance.
+    let frozen = |o: &Operation| matches!(o, Operation::AddNode { node, .. } if node.state == NodeState::Frozen);
+    (!frozen(&operation)).then(|| Operation::InCluster { name, operation: Box::new(operation) })
+}
+
+/// Nodes become a cluster; those that are frozen are left alone.
+fn gather(dice: &mut Dice, shadow: &mut Document) -> Step {
+    let mut ids: Vec<String> = (0..1 + dice.below(4)).map(|_| known(dice, shadow)).collect();
+    ids.retain(|id| shadow.nodes().get(id).is_none_or(|n| n.state != NodeState::Frozen));
+    let (name, instance) = (format!("c{}", dice.below(4)), id(dice));
+    let names: Vec<&str> = ids.iter().map(String::as_str).collect();
+    if let Ok(operation) = shadow.gather(&names, &name, &instance) {
+        let _ = operation.apply(shadow);
+    }
+    Step::Gather(ids, name, instance)
+}
+
 fn wires(dice: &mut Dice, document: &Document, of: &str) -> Wires {
     let mut wires = Wires::default();
     let count = if dice.chance(25) { 2 } else { 1 };
@@ -147,11 +212,21 @@ fn state(dice: &mut Dice) -> NodeState {
 fn operation(dice: &mut Dice, document: &Document) -> Operation {
     use Operation as O;
     let node_id = known(dice, document);
-    match dice.below(48) {
+    match dice.below(58) {
         0..7 => {
             let id = id(dice);
             O::AddNode { node: Box::new(node(dice, document, &id)), id }
         }
+        48..52 => {
+            let id = id(dice);
+            let made = instance(dice, document, &id).unwrap_or_else(|| node(dice, document, &id));
+            O::PutNode { node: Some(Box::new(made)), id }
+        }
+        52 => {
+            let cluster = Some(Box::new(Cluster::File(Link::new(LIBRARY))));
+            O::SetCluster { name: format!("l{}", dice.below(2)), cluster }
+        }
+        53..58 => in_cluster(dice, document).unwrap_or_else(|| O::SetNote { node: node_id, note: None }),
         7 | 8 => O::RemoveNode { id: node_id },
         9 => O::PutNode { node: Some(Box::new(node(dice, document, &node_id))), id: node_id },
         10 => O::Rename { from: node_id, to: id(dice) },
@@ -193,7 +268,14 @@ fn operation(dice: &mut Dice, document: &Document) -> Operation {
             wires.more.tree = vec![*dice.of(&[TreeOp::Graft, TreeOp::Flatten, TreeOp::Simplify, TreeOp::Reverse])];
             O::PutWires { node: node_id, port, wires: Some(wires) }
         }
-        34..41 => O::SetState { node: node_id, state: state(dice) },
+        34..41 => {
+            let is_instance = document.nodes().get(&node_id).is_some_and(|n| n.cluster().is_some());
+            let state = match state(dice) {
+                NodeState::Frozen if is_instance => NodeState::Bypassed,
+                state => state,
+            };
+            O::SetState { node: node_id, state }
+        }
         41 => O::SetNote { node: node_id, note: Some("remark".into()) },
         42 => O::Move { node: node_id, to: Some([1.0, 2.0]) },
         43 => {
@@ -242,6 +324,16 @@ fn set(dice: &mut Dice, shadow: &Document) -> Step {
     Step::Set(name, value(dice))
 }
 
+fn explode(dice: &mut Dice, shadow: &mut Document) -> Step {
+    let ids: Vec<String> =
+        shadow.nodes().iter().filter(|(_, n)| n.cluster().is_some()).map(|(id, _)| id.clone()).collect();
+    let id = one(dice, &ids, "n0");
+    if let Ok(paste) = shadow.explode(&id, &super::world::plain()) {
+        let _ = paste.operation.apply(shadow);
+    }
+    Step::Explode(id)
+}
+
 /// About `length` steps: bursts of edits, each followed by an evaluation.
 pub fn script(seed: i64, length: usize) -> Vec<Step> {
     let mut dice = Dice::new(seed);
@@ -280,6 +372,9 @@ pub fn script(seed: i64, length: usize) -> Vec<Step> {
                 66 => Step::Reload,
                 67 => Step::Begin,
                 68 => Step::Commit,
+                70..76 => gather(&mut dice, &mut shadow),
+                76 | 77 => explode(&mut dice, &mut shadow),
+                78 | 79 => Step::Library(dice.chance(85).then(|| dice.below(3) as f64)),
                 69 => Step::Paste((0..2).map(|_| known(&mut dice, &shadow)).collect()),
                 _ => edit(&mut dice, &mut shadow),
             };

@@ -1,9 +1,11 @@
 //! The node types of the model test. Every call of a node is counted under its type and its tag, and one of them can be
 //! made to raise the cancel flag.
 
+use serde_json::json;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::Duration;
 use tenon_engine::*;
 
 /// Type and tag: nodes with a tag of their own can be told apart, nodes without share results.
@@ -11,7 +13,7 @@ pub type Who = (String, i64);
 
 /// What ran, and when to cancel.
 #[derive(Default)]
-pub struct Calls(Mutex<Inner>);
+pub struct Calls(Mutex<Inner>, bool);
 
 #[derive(Default)]
 struct Inner {
@@ -31,6 +33,20 @@ impl Calls {
         {
             flag.store(true, Ordering::Relaxed);
         }
+        drop(inner);
+        if self.1 {
+            std::thread::sleep(Duration::from_micros(20));
+        }
+    }
+
+    /// Of nodes that take long enough for something to happen meanwhile.
+    pub fn slow() -> Self {
+        Self(Mutex::default(), true)
+    }
+
+    /// Calls since it was last begun.
+    pub fn total(&self) -> usize {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).total
     }
 
     /// Begins to count anew.
@@ -78,6 +94,42 @@ pub const TYPES: [(&str, &[&str], &[&str]); 20] = [
     ("read", &["path"], &["size"]),
     ("write", &["size"], &["file"]),
 ];
+
+/// The file from which clusters are linked.
+pub const LIBRARY: &str = "library.tenon.json";
+
+/// What stands in it.
+pub fn library(b: f64) -> Vec<u8> {
+    json!({
+        "format": "tenon", "version": 1, "units": "mm",
+        "interface": {"inputs": {"x": {"port": "one.a"}}, "outputs": {"y": {"port": "two.value"}}},
+        "nodes": {
+            "one": {"type": "add", "v": 1, "params": {"b": b}},
+            "two": {"type": "floor", "v": 1, "inputs": {"a": {"from": ["one.sum"]}}},
+        },
+    })
+    .to_string()
+    .into_bytes()
+}
+
+/// Inputs that can be wired and outputs of a node type or a cluster.
+pub fn ports_of(document: &Document, type_name: &str) -> (Vec<String>, Vec<String>) {
+    let own = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect();
+    if let Some((_, inputs, outputs)) = TYPES.iter().find(|t| t.0 == type_name) {
+        return (own(inputs), own(outputs));
+    }
+    match type_name.strip_prefix("cluster:").and_then(|name| document.clusters.get(name)) {
+        Some(Cluster::Here(body)) => (body.inputs.keys().cloned().collect(), body.outputs.keys().cloned().collect()),
+        Some(Cluster::File(_)) => (own(&["x"]), own(&["y"])),
+        None => (Vec::new(), Vec::new()),
+    }
+}
+
+/// A registry that counts for nobody.
+pub fn plain() -> Arc<Registry> {
+    static PLAIN: OnceLock<Arc<Registry>> = OnceLock::new();
+    PLAIN.get_or_init(|| registry(&Arc::new(Calls::default()), Vec::new())).clone()
+}
 
 type Run = fn(&mut Call<'_>) -> Result<(), Fail>;
 
