@@ -3,14 +3,18 @@
 // Rules
 // - Functions that can fail give NULL when all is well, otherwise a tenon_error that the caller frees. What they were
 //   to write is then not written.
-// - Handles (tenon_engine, tenon_graph, tenon_result, tenon_text, tenon_error) are freed by their own function, each once
-//   and in any order. A handle that was freed or is of another kind is an error, not a crash.
-// - Every function may be called from any thread. Calls with the same graph wait for one another, except cancel.
+// - Handles (tenon_engine, tenon_graph, tenon_job, tenon_result, tenon_text, tenon_error) are freed by their own function,
+//   each once and in any order. A handle that was freed or is of another kind is an error, not a crash.
+// - Every function may be called from any thread. Evaluations of one graph run one after another; nothing else waits.
 // - Texts given in are NUL-terminated UTF-8 unless a length is asked for. Texts given out are tenon_str: not terminated.
 // - Structs begin with their size. Who makes a struct sets it; later versions add fields at the end only.
 // - Nothing is freed across: what a handle gives is good until that handle is freed, and is read-only.
 // - No function throws or aborts, and callbacks must not throw.
-// What this contract cannot prevent: reading a result's arrays after it was freed, and pointers that point nowhere.
+// - Pointers that are NULL or misaligned, lengths that cannot be, texts that are not UTF-8, offsets and indices that lead
+//   outside are errors of the call, which then has changed nothing.
+// What this contract cannot prevent: reading a result's arrays after it was freed, changing or freeing shared arrays before
+// they are released, and pointers that are neither NULL nor good: lengths that promise more than is there, texts without
+// their NUL, structs whose size says more than they are. tenon_handle_count tells what was never freed.
 
 #ifndef TENON_H
 #define TENON_H
@@ -26,9 +30,12 @@ typedef struct tenon_engine tenon_engine;
 // frees with `tenon_error_free`.
 typedef struct tenon_error tenon_error;
 
-// One graph being worked on. Free it with `tenon_graph_free`. Any thread may call with it; calls wait for one another,
-// and while one evaluates only `tenon_graph_cancel` goes ahead.
+// One graph being worked on. Free it with `tenon_graph_free`. Any thread may call with it. Evaluations of one graph run
+// one after another, each of the graph as it was when it was asked for; setting, editing and saving never wait for them.
 typedef struct tenon_graph tenon_graph;
+
+// An evaluation on a thread of its own. Free it with `tenon_job_free`, before or after it has ended.
+typedef struct tenon_job tenon_job;
 
 // What an evaluation came to. Free it with `tenon_result_free`; what was read from it is good until then, also when the
 // graph and the engine are gone.
@@ -56,6 +63,9 @@ typedef struct tenon_engine_config {
   uint32_t flags;
 } tenon_engine_config;
 
+// What is called when arrays that a host shares are free again.
+typedef void (*tenon_release)(void *context);
+
 // What an interface lists: its inputs or its outputs.
 typedef uint32_t tenon_side_of_graph;
 
@@ -65,13 +75,74 @@ typedef struct tenon_evaluate_options {
   uint32_t size;
   // 0.
   uint32_t flags;
-  // Given to `progress` as it is.
+  // Given to `progress` and `done` as it is.
   void *context;
   // Called at most about 30 times a second with the fraction done, 0 to 1, and the node at work, from threads of the
-  // library, one call at a time. Giving 0 cancels. It must not call the library with the same graph, except
-  // `tenon_graph_cancel`, and must not throw.
+  // library, one call at a time. Giving 0 cancels. It must return soon and must not throw. It may call the library, but
+  // what would wait for the evaluation that it stands in is refused.
   int32_t (*progress)(void *context, double fraction, tenon_str node);
+  // For `tenon_graph_start` only: called once with the status of the result (or of the error) when the job has ended,
+  // also when it was cancelled, from the job's own thread, after the last `progress`; not after `tenon_job_free` has
+  // returned. It may call the library, take the result and free the job. It must not throw.
+  void (*done)(void *context, tenon_status status);
 } tenon_evaluate_options;
+
+// What can be picked: a panel, a face, a curve or a point, and where it stands in the output.
+typedef struct tenon_part {
+  // Item in its branch.
+  uint64_t item;
+  // Branch of the output's tree.
+  uint32_t branch;
+  // Panel or face in the item; 0 for what has none.
+  uint32_t element;
+  // Its address; `TENON_NONE` three times for what has none.
+  tenon_address address;
+  // 0.
+  uint32_t flags;
+} tenon_part;
+
+// An output as buffers for a viewport. Good until the result is freed; read-only. Faces have vertices of their own, so
+// that their edges stay sharp; triangles are counter-clockwise seen from outside.
+typedef struct tenon_preview {
+  // Bytes of this struct; set it before the call.
+  uint32_t size;
+  // 0.
+  uint32_t flags;
+  // The node that made the output.
+  tenon_str node;
+  // Its port.
+  tenon_str port;
+  // Add it to a position to get the place in space, mm. Positions are about it, so that single precision is enough.
+  tenon_vec3 origin;
+  // Smallest coordinates in space, mm.
+  tenon_vec3 low;
+  // Largest coordinates in space, mm.
+  tenon_vec3 high;
+  // Three per vertex: x, y, z about the origin, mm.
+  const float *positions;
+  // Three per vertex: unit normal; 0 for vertices of lines and points.
+  const float *normals;
+  // One per vertex: its part.
+  const uint32_t *vertex_parts;
+  // Number of vertices.
+  uint64_t vertex_count;
+  // Three vertices per triangle.
+  const uint32_t *triangles;
+  // Number of triangles.
+  uint64_t triangle_count;
+  // Two vertices per line.
+  const uint32_t *lines;
+  // Number of lines.
+  uint64_t line_count;
+  // One vertex per point.
+  const uint32_t *points;
+  // Number of points.
+  uint64_t point_count;
+  // What can be picked.
+  const struct tenon_part *parts;
+  // Number of parts.
+  uint64_t part_count;
+} tenon_preview;
 
 // What is wrong, and where. Texts are good until the result is freed; what is not known is empty.
 typedef struct tenon_diagnostic {
@@ -156,6 +227,26 @@ void tenon_error_free(struct tenon_error *error);
 // [any thread]
 uint64_t tenon_handle_count(void);
 
+// Gives an interface input or a parameter (`node.port`) a value in memory: numbers, points, curves, meshes, panel sets
+// and so on, a list or a tree with paths. Set `size` of every struct in it; `type_name` of columns is not read. Everything
+// is copied, so the caller may change or free it after the call. It stands until the input is set otherwise; as it has no
+// written form `tenon_graph_save` writes what the graph's text said before. Fails, with nothing changed, if the name is not
+// known, the port has a wire or takes other types, or the value is not accepted. [any thread]
+struct tenon_error *tenon_graph_give(struct tenon_graph *graph,
+                                     const char *name,
+                                     const tenon_tree *tree);
+
+// The same without copying numbers, integers, points and vectors (in lists without gaps): the library reads them where
+// they are. They must stay as they are, unchanged, until `release(context)` is called, once: when the graph and all results
+// that hold them have let go, or already in this call if all was copied. It is called from any thread, must not throw, and
+// must not call the library. `release` may be NULL for arrays that live as long as the program. If the call fails
+// `release` is not called. [any thread]
+struct tenon_error *tenon_graph_share(struct tenon_graph *graph,
+                                      const char *name,
+                                      const tenon_tree *tree,
+                                      tenon_release release,
+                                      void *context);
+
 // Loads a graph from the `length` bytes of a `*.tenon.json` file. `folder` is where files that nodes name are looked
 // for; with NULL there are none. Node types that nobody knows are kept as they stand and are told by evaluation. Fails
 // if the text is no graph, with line and column, or requires plugins that are not there. [any thread]
@@ -165,7 +256,7 @@ struct tenon_error *tenon_graph_load(const struct tenon_engine *engine,
                                      const char *folder,
                                      struct tenon_graph **out);
 
-// Frees a graph; results that it gave live on. An evaluation that runs is finished first. NULL and graphs that were
+// Frees a graph; results that it gave live on, and evaluations under way go on to their end. NULL and graphs that were
 // freed before do nothing. [any thread]
 void tenon_graph_free(struct tenon_graph *graph);
 
@@ -207,18 +298,52 @@ struct tenon_error *tenon_graph_interface(const struct tenon_graph *graph,
                                           struct tenon_text **out);
 
 // Evaluates `count` outputs, each an interface output or `node.port`; with `count` 0 every interface output and every
-// node that makes files. Only what changed runs. Waits until it is done. The result holds what the outputs are now and
-// stays as it is whatever happens to the graph later; the caller frees it. That nodes failed is no error of this call:
-// the result says it. Fails if an argument is wrong. [any thread]
+// node that makes files. Only what changed runs. Waits until it is done, behind the evaluations that were asked for
+// before. The result holds what the outputs come to for the graph as it stood at the call and stays as it is whatever
+// happens to the graph later; the caller frees it. That nodes failed is no error of this call: the result says it. Fails if
+// an argument is wrong. [any thread]
 struct tenon_error *tenon_graph_evaluate(struct tenon_graph *graph,
                                          const char *const *outputs,
                                          uint64_t count,
                                          const struct tenon_evaluate_options *options,
                                          struct tenon_result **out);
 
-// Stops the evaluation of this graph that runs, if one does: its result says that it was cancelled, and the graph is as
-// it was before. [any thread, also while the graph is evaluated]
+// Starts the same on a thread of its own and returns at once. The job is of the graph as it stands at this call: what is
+// set and edited from then on is for later evaluations. Jobs of one graph run one after another. A host that follows a
+// slider cancels the job before and starts the next. Fails if an argument is wrong or the system gives no thread; then no
+// callback comes. [any thread]
+struct tenon_error *tenon_graph_start(struct tenon_graph *graph,
+                                      const char *const *outputs,
+                                      uint64_t count,
+                                      const struct tenon_evaluate_options *options,
+                                      struct tenon_job **out);
+
+// Waits for a job, `milliseconds` at most: 0 only looks, UINT64_MAX waits as long as it takes. Writes a result, which the
+// caller frees, or NULL if the job has not ended by then. Every call after its end gives the result again. [any thread]
+struct tenon_error *tenon_job_wait(const struct tenon_job *job,
+                                   uint64_t milliseconds,
+                                   struct tenon_result **out);
+
+// How far a job is, 0 to 1; 1 when it has ended, NaN for what is no job. [any thread]
+double tenon_job_progress(const struct tenon_job *job);
+
+// Asks a job to stop: if it has not ended by itself its result says that it was cancelled. [any thread]
+void tenon_job_cancel(const struct tenon_job *job);
+
+// Frees a job; one that has not ended is cancelled. When this returns no callback of it runs or comes any more, except
+// where it is called from one of them. Results live on. NULL and jobs that were freed before do nothing. [any thread]
+void tenon_job_free(struct tenon_job *job);
+
+// Stops the evaluations of this graph that run or wait for their turn: their results say that they were cancelled, and
+// the graph is as it was before. [any thread, also while the graph is evaluated]
 void tenon_graph_cancel(const struct tenon_graph *graph);
+
+// Fills `out` with what an output looks like: panels as solids, meshes, polygons, curves and points; of other types
+// there is nothing to see, which is no error. Made at the first call for an output and kept with the result. Set
+// `out->size` before. Fails if there is no such output. [any thread]
+struct tenon_error *tenon_result_preview(const struct tenon_result *result,
+                                         const char *name,
+                                         struct tenon_preview *out);
 
 // Frees a result and with it everything that was read from it. NULL and results that were freed before do nothing.
 // [any thread]

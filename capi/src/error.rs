@@ -12,7 +12,7 @@ pub struct tenon_error {
 }
 
 /// What a `tenon_error` stands for.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Failure {
     status: tenon_status,
     message: String,
@@ -22,6 +22,16 @@ pub struct Failure {
 impl Failure {
     pub(crate) fn argument(message: impl Into<String>) -> Self {
         Self { status: TENON_BAD_ARGUMENT, message: message.into(), node: String::new() }
+    }
+
+    /// A panic that was caught.
+    pub(crate) fn fault(panic: &(dyn std::any::Any + Send)) -> Self {
+        let message = format!("libtenon has a fault; please report it: {}", words(panic));
+        Self { status: TENON_INTERNAL, message, node: String::new() }
+    }
+
+    pub(crate) fn status(&self) -> tenon_status {
+        self.status
     }
 
     pub(crate) fn of(diagnostics: &[Diagnostic]) -> Self {
@@ -42,10 +52,7 @@ pub(crate) fn guard(body: impl FnOnce() -> Result<(), Failure>) -> *mut tenon_er
     let failure = match catch_unwind(AssertUnwindSafe(body)) {
         Ok(Ok(())) => return std::ptr::null_mut(),
         Ok(Err(failure)) => failure,
-        Err(panic) => {
-            let message = format!("libtenon has a fault; please report it: {}", words(&*panic));
-            Failure { status: TENON_INTERNAL, message, node: String::new() }
-        }
+        Err(panic) => Failure::fault(&*panic),
     };
     handle::give(Object::Error(failure.into()))
 }

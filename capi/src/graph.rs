@@ -1,32 +1,45 @@
-//! A graph: load, save, set, edit, evaluate.
+//! A graph: load, save, set, edit. Edits go to a draft and never wait for an evaluation, which gets them in its turn.
 
 use crate::engine::{Engine, tenon_engine};
 use crate::error::{Failure, guard, guard_or, tenon_error};
 use crate::handle::{self, Object};
+use crate::job::Job;
 use crate::read;
-use crate::result::{Evaluated, tenon_result};
 use crate::text::{self, tenon_text};
-use ::tenon_engine::{Control, Document, Host, Json, Node, Operation, Options, Progress, Session};
-use std::ffi::{c_char, c_void};
+use crate::turns::Turns;
+use ::tenon_engine::{Diagnostic, Document, Draft, Given, Host, Json, Node, Operation, Options, Session, Tree};
+use std::ffi::c_char;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tenon_nodes::plugin::Wanted;
-use tenon_plugin::abi::value::tenon_str;
 
-/// One graph being worked on. Free it with `tenon_graph_free`. Any thread may call with it; calls wait for one another,
-/// and while one evaluates only `tenon_graph_cancel` goes ahead.
+/// One graph being worked on. Free it with `tenon_graph_free`. Any thread may call with it. Evaluations of one graph run
+/// one after another, each of the graph as it was when it was asked for; setting, editing and saving never wait for them.
 pub struct tenon_graph {
     _opaque: [u8; 0],
 }
 
 /// What a `tenon_graph` stands for.
 pub struct Graph {
-    session: Mutex<Session>,
-    /// The flag of the evaluation that runs, if one does.
-    running: Mutex<Option<Arc<AtomicBool>>>,
+    draft: Mutex<Front>,
+    pub(crate) session: Mutex<Session>,
+    pub(crate) turns: Turns<Change>,
+    /// The evaluations that run or wait for their turn.
+    jobs: Mutex<Vec<Arc<Job>>>,
+}
+
+/// The graph as it stands, and what the session has not seen of it yet.
+struct Front {
+    draft: Draft,
+    changes: Vec<Change>,
+}
+
+/// What a session is to do before it evaluates.
+pub(crate) enum Change {
+    Edit(Operation),
+    Give(Given),
 }
 
 /// The largest file that a node may read, bytes.
@@ -60,16 +73,83 @@ impl Graph {
             host: Arc::new(Folder(folder)),
             ..Options::default()
         };
+        let host = options.host.clone();
         let session = Session::new(engine.registry.clone(), document, options);
-        Self { session: session.into(), running: Mutex::new(None) }
+        let draft = Draft::new(engine.registry.clone(), host, session.document().clone());
+        Self {
+            draft: Front { draft, changes: Vec::new() }.into(),
+            session: session.into(),
+            turns: Turns::default(),
+            jobs: Mutex::default(),
+        }
     }
 
-    fn session(&self) -> MutexGuard<'_, Session> {
-        self.session.lock().unwrap_or_else(PoisonError::into_inner)
+    fn front(&self) -> MutexGuard<'_, Front> {
+        self.draft.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn edit(&self, operation: &Operation) -> Result<(), Failure> {
-        self.session().edit(operation).map(|_| ()).map_err(|d| Failure::of(&[d]))
+    pub(crate) fn jobs(&self) -> MutexGuard<'_, Vec<Arc<Job>>> {
+        self.jobs.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn edit(&self, operation: Operation) -> Result<(), Failure> {
+        self.front().edit(operation)
+    }
+
+    /// Gives a name a value that has no written form.
+    pub(crate) fn give(&self, name: &str, tree: &Tree) -> Result<(), Failure> {
+        let mut front = self.front();
+        let given = front.draft.given(name, tree).map_err(|d| Failure::of(&[d]))?;
+        front.changes.extend(given.into_iter().map(Change::Give));
+        Ok(())
+    }
+
+    /// A place among the evaluations, for the graph as it stands now.
+    pub(crate) fn queue(&self) -> u64 {
+        let mut front = self.front();
+        let changes = std::mem::take(&mut front.changes);
+        // Under the lock, so that turns have the order of changes.
+        self.turns.enter(changes)
+    }
+}
+
+impl Front {
+    fn edit(&mut self, operation: Operation) -> Result<(), Failure> {
+        self.draft.apply(&operation).map_err(|d| Failure::of(&[d]))?;
+        let place = |o: &Operation| match o {
+            Operation::SetParam { node, port, .. } => Some((node.clone(), port.clone())),
+            _ => None,
+        };
+        // Who sets one input again and again before evaluating wants the last value only.
+        if let Some(Change::Edit(last)) = self.changes.last_mut()
+            && place(last).is_some_and(|p| place(&operation) == Some(p))
+        {
+            *last = operation;
+        } else {
+            self.changes.push(Change::Edit(operation));
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, name: &str, value: Json) -> Result<(), Failure> {
+        let mut all = self.draft.settings([(name, value)]).map_err(|d| Failure::of(&[d]))?;
+        match all.len() {
+            0 => Ok(()),
+            1 => self.edit(all.remove(0)),
+            _ => self.edit(Operation::All(all)),
+        }
+    }
+}
+
+impl Change {
+    pub(crate) fn apply(self, session: &mut Session) -> Result<(), Diagnostic> {
+        match self {
+            Self::Edit(operation) => session.edit(&operation).map(drop),
+            Self::Give(given) => {
+                session.give(&given);
+                Ok(())
+            }
+        }
     }
 }
 
@@ -108,7 +188,7 @@ pub unsafe extern "C" fn tenon_graph_load(
     })
 }
 
-/// Frees a graph; results that it gave live on. An evaluation that runs is finished first. NULL and graphs that were
+/// Frees a graph; results that it gave live on, and evaluations under way go on to their end. NULL and graphs that were
 /// freed before do nothing. [any thread]
 #[unsafe(no_mangle)]
 pub extern "C" fn tenon_graph_free(graph: *mut tenon_graph) {
@@ -124,8 +204,10 @@ pub unsafe extern "C" fn tenon_graph_save(graph: *const tenon_graph, out: *mut *
     guard(|| {
         let out = read::place(out, "out")?;
         let graph = handle::graph(graph)?;
-        let session = graph.session();
-        let saved = session.document().to_string_canonical_for(session.registry());
+        let saved = {
+            let front = graph.front();
+            front.draft.document().to_string_canonical_for(front.draft.registry())
+        };
         // SAFETY: not NULL and aligned; the caller vouches that a pointer can be written there.
         unsafe { out.write(text::give(saved)) };
         Ok(())
@@ -146,7 +228,7 @@ pub unsafe extern "C" fn tenon_graph_set(
         // SAFETY: the header asks for NUL-terminated strings.
         let (name, json) = unsafe { (read::text(name, "name")?, read::text(json, "json")?) };
         let value: Json = serde_json::from_str(json).map_err(|e| Failure::argument(format!("json: {e}")))?;
-        graph.session().set(name, value).map_err(|d| Failure::of(&[d]))
+        graph.front().set(name, value)
     })
 }
 
@@ -164,7 +246,7 @@ pub unsafe extern "C" fn tenon_graph_set_number(
         if !value.is_finite() {
             return Err(Failure::argument(format!("{name}: {value} is not a finite number")));
         }
-        graph.session().set(name, value.into()).map_err(|d| Failure::of(&[d]))
+        graph.front().set(name, value.into())
     })
 }
 
@@ -180,10 +262,10 @@ pub unsafe extern "C" fn tenon_graph_add_node(
         // SAFETY: the header asks for NUL-terminated strings.
         let (id, type_name) = unsafe { (read::text(id, "id")?, read::text(type_name, "type_name")?) };
         let mut node = Node::new(type_name);
-        if let Some(known) = graph.session().registry().get(type_name) {
+        if let Some(known) = graph.front().draft.registry().get(type_name) {
             node.version = known.version();
         }
-        graph.edit(&Operation::AddNode { id: id.to_owned(), node: Box::new(node) })
+        graph.edit(Operation::AddNode { id: id.to_owned(), node: Box::new(node) })
     })
 }
 
@@ -194,7 +276,7 @@ pub unsafe extern "C" fn tenon_graph_remove_node(graph: *mut tenon_graph, id: *c
         let graph = handle::graph(graph)?;
         // SAFETY: the header asks for a NUL-terminated string.
         let id = unsafe { read::text(id, "id")? };
-        graph.edit(&Operation::RemoveNode { id: id.to_owned() })
+        graph.edit(Operation::RemoveNode { id: id.to_owned() })
     })
 }
 
@@ -211,7 +293,7 @@ pub unsafe extern "C" fn tenon_graph_connect(
         // SAFETY: the header asks for NUL-terminated strings.
         let [from, node, port] =
             unsafe { [read::text(from, "from")?, read::text(node, "node")?, read::text(port, "port")?] };
-        graph.edit(&Operation::Connect { node: node.into(), port: port.into(), from: from.into(), at: None })
+        graph.edit(Operation::Connect { node: node.into(), port: port.into(), from: from.into(), at: None })
     })
 }
 
@@ -228,7 +310,7 @@ pub unsafe extern "C" fn tenon_graph_disconnect(
         // SAFETY: the header asks for NUL-terminated strings.
         let [from, node, port] =
             unsafe { [read::text(from, "from")?, read::text(node, "node")?, read::text(port, "port")?] };
-        graph.edit(&Operation::Disconnect { node: node.into(), port: port.into(), from: from.into() })
+        graph.edit(Operation::Disconnect { node: node.into(), port: port.into(), from: from.into() })
     })
 }
 
@@ -250,8 +332,8 @@ pub unsafe extern "C" fn tenon_graph_interface(
     guard(|| {
         let out = read::place(out, "out")?;
         let graph = handle::graph(graph)?;
-        let session = graph.session();
-        let document = session.document();
+        let front = graph.front();
+        let document = front.draft.document();
         let list: Json = match side {
             TENON_INPUTS => document
                 .inputs
@@ -274,94 +356,4 @@ pub unsafe extern "C" fn tenon_graph_interface(
         unsafe { out.write(text::give(list.to_string())) };
         Ok(())
     })
-}
-
-/// How to evaluate. Set `size` to `sizeof(tenon_evaluate_options)` and the rest to 0 or NULL for the defaults.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct tenon_evaluate_options {
-    /// Bytes of this struct.
-    pub size: u32,
-    /// 0.
-    pub flags: u32,
-    /// Given to `progress` as it is.
-    pub context: *mut c_void,
-    /// Called at most about 30 times a second with the fraction done, 0 to 1, and the node at work, from threads of the
-    /// library, one call at a time. Giving 0 cancels. It must not call the library with the same graph, except
-    /// `tenon_graph_cancel`, and must not throw.
-    pub progress: Option<unsafe extern "C" fn(context: *mut c_void, fraction: f64, node: tenon_str) -> i32>,
-}
-
-// SAFETY: plain data and a function pointer that may be NULL, size first.
-unsafe impl read::Sized32 for tenon_evaluate_options {}
-
-/// The caller's context and function, called by one thread at a time.
-struct Listener(Mutex<tenon_evaluate_options>);
-
-// SAFETY: the context is only handed back to the caller's function, which the header asks to be fit for any thread.
-unsafe impl Sync for Listener {}
-
-impl Listener {
-    fn hear(&self, progress: &Progress, cancel: &AtomicBool) {
-        let options = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(call) = options.progress {
-            // SAFETY: the caller gave function and context for each other; the text lives through the call.
-            let go_on = unsafe { call(options.context, progress.fraction, tenon_str::of(&progress.node)) };
-            if go_on == 0 {
-                cancel.store(true, Ordering::Relaxed);
-            }
-        }
-    }
-}
-
-/// Evaluates `count` outputs, each an interface output or `node.port`; with `count` 0 every interface output and every
-/// node that makes files. Only what changed runs. Waits until it is done. The result holds what the outputs are now and
-/// stays as it is whatever happens to the graph later; the caller frees it. That nodes failed is no error of this call:
-/// the result says it. Fails if an argument is wrong. [any thread]
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn tenon_graph_evaluate(
-    graph: *mut tenon_graph,
-    outputs: *const *const c_char,
-    count: u64,
-    options: *const tenon_evaluate_options,
-    out: *mut *mut tenon_result,
-) -> *mut tenon_error {
-    guard(|| {
-        let out = read::place(out, "out")?;
-        let graph = handle::graph(graph)?;
-        // SAFETY: the header asks for `count` NUL-terminated strings.
-        let names = unsafe { read::texts(outputs, count, "outputs")? };
-        let default = tenon_evaluate_options { size: 0, flags: 0, context: std::ptr::null_mut(), progress: None };
-        // SAFETY: the header asks for NULL or a struct of that size.
-        let listener = Listener(Mutex::new(unsafe { read::options(options, default, "options")? }));
-        let listens = default_listens(&listener);
-        let mut session = graph.session();
-        let cancel = Arc::new(AtomicBool::new(false));
-        *graph.running.lock().unwrap_or_else(PoisonError::into_inner) = Some(cancel.clone());
-        let hear = |p: &Progress| listener.hear(p, &cancel);
-        let control = Control { cancel: cancel.clone(), on_progress: if listens { Some(&hear) } else { None } };
-        let report = session.evaluate(&names, &control);
-        *graph.running.lock().unwrap_or_else(PoisonError::into_inner) = None;
-        let evaluated = Evaluated::new(&session, &names, report);
-        drop(session);
-        // SAFETY: not NULL and aligned; the caller vouches that a pointer can be written there.
-        unsafe { out.write(handle::give(Object::Result(evaluated.into()))) };
-        Ok(())
-    })
-}
-
-fn default_listens(listener: &Listener) -> bool {
-    listener.0.lock().unwrap_or_else(PoisonError::into_inner).progress.is_some()
-}
-
-/// Stops the evaluation of this graph that runs, if one does: its result says that it was cancelled, and the graph is as
-/// it was before. [any thread, also while the graph is evaluated]
-#[unsafe(no_mangle)]
-pub extern "C" fn tenon_graph_cancel(graph: *const tenon_graph) {
-    guard_or((), || {
-        if let Some(flag) = &*handle::graph(graph)?.running.lock().unwrap_or_else(PoisonError::into_inner) {
-            flag.store(true, Ordering::Relaxed);
-        }
-        Ok(())
-    });
 }

@@ -4,6 +4,7 @@
 use crate::engine::Engine;
 use crate::error::Failure;
 use crate::graph::Graph;
+use crate::job::Job;
 use crate::result::Evaluated;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -14,6 +15,7 @@ use std::sync::{Arc, LazyLock, PoisonError, RwLock};
 pub(crate) enum Object {
     Engine(Arc<Engine>),
     Graph(Arc<Graph>),
+    Job(Arc<Job>),
     Result(Arc<Evaluated>),
     Error(Arc<Failure>),
     Text(Arc<str>),
@@ -24,6 +26,7 @@ impl Object {
         match self {
             Self::Engine(_) => "engine",
             Self::Graph(_) => "graph",
+            Self::Job(_) => "job",
             Self::Result(_) => "result",
             Self::Error(_) => "error",
             Self::Text(_) => "text",
@@ -83,6 +86,7 @@ macro_rules! finders {
 finders! {
     engine Engine Engine;
     graph Graph Graph;
+    job Job Job;
     result Result Evaluated;
     error Error Failure;
     text Text str;

@@ -7,15 +7,22 @@
 
 mod engine;
 mod error;
+mod give;
 mod graph;
 mod handle;
+mod job;
+mod preview;
 mod read;
 mod result;
 mod text;
+mod turns;
 
 pub use engine::*;
 pub use error::*;
+pub use give::*;
 pub use graph::*;
+pub use job::*;
+pub use preview::*;
 pub use result::*;
 pub use text::*;
 

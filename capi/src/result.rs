@@ -2,6 +2,7 @@
 
 use crate::error::{Failure, guard, guard_or, tenon_error};
 use crate::handle;
+use crate::preview::Drawn;
 use crate::read;
 use crate::text::{self, tenon_text};
 use ::tenon_engine::{Json, Report, Session, Severity, Tree, nearest};
@@ -28,10 +29,13 @@ pub struct Evaluated {
 }
 
 /// An output, and the C structs over it once somebody asked for them.
-struct Output {
+pub(crate) struct Output {
     // Before the tree that they point into, so that they are dropped first.
     view: OnceLock<View>,
-    tree: Tree,
+    pub(crate) preview: OnceLock<Drawn>,
+    /// `node.port`.
+    pub(crate) source: String,
+    pub(crate) tree: Tree,
 }
 
 struct View {
@@ -65,12 +69,28 @@ impl Evaluated {
             .into_iter()
             .filter(|_| !report.cancelled)
             .filter_map(|name| Some((session.value(&name)?, name)))
-            .map(|(tree, name)| (name, Output { view: OnceLock::new(), tree }))
+            .map(|(tree, name)| {
+                let source = session.document().outputs.get(&name).map_or_else(|| name.clone(), |o| o.port.clone());
+                (name, Output { view: OnceLock::new(), preview: OnceLock::new(), source, tree })
+            })
             .collect();
         Self { outputs, report }
     }
 
-    fn output(&self, name: &str) -> Result<&Output, Failure> {
+    /// Of an evaluation that was cancelled before it began.
+    pub(crate) fn cancelled() -> Self {
+        Self { outputs: BTreeMap::new(), report: Report { cancelled: true, ..Report::default() } }
+    }
+
+    pub(crate) fn status(&self) -> tenon_status {
+        match (self.report.cancelled, self.report.has_errors()) {
+            (true, _) => TENON_CANCELLED,
+            (false, true) => TENON_FAILED,
+            (false, false) => TENON_OK,
+        }
+    }
+
+    pub(crate) fn output(&self, name: &str) -> Result<&Output, Failure> {
         self.outputs.get(name).ok_or_else(|| {
             let near = nearest(name, self.outputs.keys().map(String::as_str));
             let hint = near.map(|n| format!("; did you mean \"{n}\"?")).unwrap_or_default();
@@ -92,14 +112,7 @@ pub extern "C" fn tenon_result_free(result: *mut tenon_result) {
 /// `TENON_OK`, `TENON_FAILED` if a diagnostic is an error, or `TENON_CANCELLED`. [any thread]
 #[unsafe(no_mangle)]
 pub extern "C" fn tenon_result_status(result: *const tenon_result) -> tenon_status {
-    guard_or(TENON_BAD_ARGUMENT, || {
-        let report = &handle::result(result)?.report;
-        Ok(match (report.cancelled, report.has_errors()) {
-            (true, _) => TENON_CANCELLED,
-            (false, true) => TENON_FAILED,
-            (false, false) => TENON_OK,
-        })
-    })
+    guard_or(TENON_BAD_ARGUMENT, || Ok(handle::result(result)?.status()))
 }
 
 /// Fills `out` with an output that was asked for. Nothing is copied; the arrays are read-only and good until the result

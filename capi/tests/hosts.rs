@@ -1,4 +1,5 @@
-//! Hosts in C and C++ against the library that was just built, plain, under AddressSanitizer and under valgrind.
+//! Hosts in C and C++ against the library that was just built, plain, under AddressSanitizer and under valgrind. Each checks
+//! everything itself.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -64,8 +65,21 @@ fn a_cpp_host_owns_what_it_gets() {
 }
 
 #[test]
-fn both_hosts_are_clean_under_address_sanitizer() {
-    for source in ["host.c", "host.cpp"] {
+fn jobs_are_of_the_graph_as_it_was() {
+    assert!(run(Command::new(compile("jobs.c", &[]))).contains("in order"));
+}
+
+#[test]
+fn values_go_in_and_out_without_a_copy() {
+    let out = run(Command::new(compile("values.c", &[])));
+    assert!(out.contains("for 256 panels"), "{out}");
+}
+
+const HOSTS: [&str; 4] = ["host.c", "host.cpp", "jobs.c", "values.c"];
+
+#[test]
+fn all_hosts_are_clean_under_address_sanitizer() {
+    for source in HOSTS {
         let mut command = Command::new(compile(source, &["-fsanitize=address,undefined"]));
         command.env("ASAN_OPTIONS", "detect_leaks=1:halt_on_error=1").env("UBSAN_OPTIONS", "halt_on_error=1");
         run(command);
@@ -73,8 +87,8 @@ fn both_hosts_are_clean_under_address_sanitizer() {
 }
 
 #[test]
-fn both_hosts_are_clean_under_valgrind() {
-    for source in ["host.c", "host.cpp"] {
+fn all_hosts_are_clean_under_valgrind() {
+    for source in HOSTS {
         let mut command = Command::new("valgrind");
         command.args(["--quiet", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=definite,indirect"]);
         command.args(["--errors-for-leak-kinds=definite,indirect"]);

@@ -24,6 +24,7 @@ pub use document::{
     Literal, Name, Node, NodeMore, NodeState, Nothing, Operation, OuterWires, Paste, Seldom, Table, TreeOp, Wires,
     WiresMore,
 };
+pub use evaluate::given::Given;
 pub use evaluate::kept::{Kept, NotKept};
 pub use evaluate::matching::Matching;
 pub use evaluate::report::{Control, Event, Events, Happened, NodeReport, NodeReports, Progress, Report};
@@ -31,7 +32,7 @@ pub use evaluate::session::{Host, NoHost, Options, Session};
 pub use evaluate::store::{Store, StoreFault};
 pub use expect::{Expectations, Outcome, Tolerance};
 pub use expression::{Dimension, Expression, ExpressionError, ExpressionFault, Quantity};
-pub use live::{Live, Snapshot};
+pub use live::{Draft, Live, Snapshot};
 pub use numeric::{Random, Statistics};
 pub use port::{Access, Port, Unit};
 pub use registry::{Conversion, NodeType, Registry, RegistryError};

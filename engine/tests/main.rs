@@ -10,6 +10,7 @@ mod common;
 mod event_log;
 mod expressions;
 mod file;
+mod given;
 mod lanes;
 mod laws;
 mod links;

@@ -432,3 +432,15 @@ impl Reader<'_> {
         }
     }
 }
+
+/// A tree that a program outside made, checked as far as pointers allow; arrays are borrowed. O(items).
+///
+/// # Errors
+/// Says what cannot be: NULL, misaligned, lengths, offsets, indices, texts that are not UTF-8, numbers that are not finite.
+///
+/// # Safety
+/// Every pointer in it is NULL or leads to as many items as the structs say, which nobody changes during `'a`.
+pub unsafe fn read_tree<'a>(tree: *const tenon_tree) -> Result<Vec<Branch<'a>>, BadValue> {
+    // SAFETY: as the caller vouches.
+    unsafe { Reader { buffers: &mut Buffers::default() }.tree(tree) }
+}

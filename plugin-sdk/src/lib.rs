@@ -17,5 +17,6 @@ mod sound;
 mod to_c;
 pub mod value;
 
+pub use from_c::read_tree;
 pub use sound::BadValue;
 pub use to_c::CTree;

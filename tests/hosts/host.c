@@ -1,75 +1,7 @@
 /* A host in C: loads a graph, moves a control point a hundred times, reads the panels in place, and tries the calls
    that a host gets wrong. Prints what it found; ends with 1 at the first thing that is not as it should be.
      host GRAPH.tenon.json     (the environment's MOVES: how often the point is moved) */
-#include "tenon.h"
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#define CHECK(condition)                                                                                                 \
-    do {                                                                                                                 \
-        if (!(condition)) {                                                                                              \
-            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                                              \
-            exit(1);                                                                                                     \
-        }                                                                                                                \
-    } while (0)
-
-static void must(tenon_error *error) {
-    if (error != NULL) {
-        tenon_str message = tenon_error_message(error);
-        fprintf(stderr, "error %d: %.*s\n", (int)tenon_error_status(error), (int)message.len, message.ptr);
-        exit(1);
-    }
-}
-
-/* The call must fail with that status and words that hold `part`. */
-static void refused(tenon_error *error, tenon_status status, const char *part) {
-    CHECK(error != NULL);
-    CHECK(tenon_error_status(error) == status);
-    tenon_str message = tenon_error_message(error);
-    char text[1000] = {0};
-    memcpy(text, message.ptr, message.len < sizeof text ? (size_t)message.len : sizeof text - 1);
-    if (strstr(text, part) == NULL) {
-        fprintf(stderr, "\"%s\" does not say \"%s\"\n", text, part);
-        exit(1);
-    }
-    tenon_error_free(error);
-    tenon_error_free(error); /* a second time does nothing */
-}
-
-static char *read_all(const char *path, uint64_t *length) {
-    FILE *file = fopen(path, "rb");
-    CHECK(file != NULL);
-    CHECK(fseek(file, 0, SEEK_END) == 0);
-    long size = ftell(file);
-    CHECK(size > 0 && fseek(file, 0, SEEK_SET) == 0);
-    char *text = malloc((size_t)size);
-    CHECK(text != NULL && fread(text, 1, (size_t)size, file) == (size_t)size);
-    fclose(file);
-    *length = (uint64_t)size;
-    return text;
-}
-
-/* The panels of a result, read in place. */
-static const tenon_panels *panels_of(const tenon_result *result) {
-    tenon_tree tree = {.size = sizeof tree};
-    must(tenon_result_output(result, "panels", &tree));
-    CHECK(tree.branch_count == 1 && tree.branches[0].column.kind == TENON_PANELS);
-    CHECK(tree.branches[0].column.count == 1 && tree.branches[0].column.valid == NULL);
-    const tenon_panels *panels = tree.branches[0].column.items;
-    CHECK(panels->corner_start[panels->panel_count] == panels->corner_count);
-    return panels;
-}
-
-static double highest(const tenon_panels *panels) {
-    double z = -INFINITY;
-    for (uint64_t i = 0; i < panels->corner_count; i++) {
-        CHECK(isfinite(panels->front[i].x) && isfinite(panels->front[i].y) && isfinite(panels->front[i].z));
-        z = fmax(z, panels->front[i].z);
-    }
-    return z;
-}
+#include "check.h"
 
 static int32_t hear(void *context, double fraction, tenon_str node) {
     CHECK(fraction >= 0.0 && fraction <= 1.0 && node.len > 0);

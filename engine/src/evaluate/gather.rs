@@ -130,7 +130,7 @@ pub(crate) fn passed(
 }
 
 /// Items become what the port takes.
-fn convert<'a>(
+pub(crate) fn convert<'a>(
     tree: &'a Tree,
     port: &Port,
     registry: &Registry,

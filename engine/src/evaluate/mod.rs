@@ -3,6 +3,7 @@
 pub(crate) mod cache;
 pub(crate) mod commit;
 pub(crate) mod gather;
+pub(crate) mod given;
 mod inspect;
 pub(crate) mod kept;
 pub(crate) mod matching;

@@ -11,7 +11,7 @@ use crate::document::operations::Operation;
 use crate::plan::{Plan, Slot};
 use crate::registry::Registry;
 use crate::value::{Column, File, Json, Tree};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, OnceLock};
 
 /// What the program around the engine provides.
@@ -106,6 +106,8 @@ pub struct Session {
     pub(crate) readers: Vec<u32>,
     /// Mean nanoseconds per run by node type of the plan; 0: not known yet.
     pub(crate) costs: Vec<f64>,
+    /// Values that the document does not know, by node and port.
+    pub(crate) given: BTreeMap<(String, String), Tree>,
     /// Another number for every plan.
     pub(crate) stamp: u64,
     /// What went wrong with the store in this evaluation, with the node that it was about.
@@ -159,6 +161,7 @@ impl Session {
             readers: Vec::new(),
             costs: Vec::new(),
             remembered: Vec::new(),
+            given: BTreeMap::new(),
             registry,
             document,
             options,
@@ -214,6 +217,7 @@ impl Session {
         self.document = document;
         let (old_nodes, old_values) = (std::mem::take(&mut self.nodes), std::mem::take(&mut self.values));
         self.reset();
+        self.place_all_given();
         for n in 0..self.plan.nodes.len() {
             let Some(o) = old_plan.find(&self.plan.ids[n]) else { continue };
             let (new, old) = (&self.plan.nodes[n], &old_plan.nodes[o]);
@@ -283,6 +287,7 @@ impl Session {
         // Without its value, what stands inside a cluster counts again: that only the definition knows.
         let anew = value.is_null() && params.iter().any(|(id, _)| self.plan.is_instance(id));
         for (id, port) in params {
+            self.given.remove(&(id.clone(), port.clone()));
             let Some(node) = self.document.node_mut(&id) else { continue };
             if value.is_null() {
                 node.params.remove(&port);
@@ -315,7 +320,7 @@ impl Session {
     }
 
     /// Puts one literal at ports, and formulas that depend on it.
-    fn place(&mut self, trees: Vec<(usize, usize, Option<Tree>)>, value: &Json) {
+    pub(super) fn place(&mut self, trees: Vec<(usize, usize, Option<Tree>)>, value: &Json) {
         let places: Vec<(usize, usize)> = trees.iter().map(|(n, p, _)| (*n, *p)).collect();
         for (n, p, tree) in trees {
             self.plan.set_literal(n, p, tree);
@@ -344,6 +349,7 @@ impl Session {
     /// If an operation is refused; then nothing has changed.
     pub fn edit(&mut self, operation: &Operation) -> Result<Operation, Diagnostic> {
         let inverse = operation.apply(&mut self.document)?;
+        self.forget_given(operation);
         use Operation as O;
         let silent = |o: &Operation| {
             matches!(

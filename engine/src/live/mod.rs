@@ -5,6 +5,7 @@
 //! anew; nodes that had finished are not run again as long as their inputs are the same.
 
 mod desk;
+mod draft;
 mod snapshot;
 mod worker;
 
@@ -13,14 +14,15 @@ mod sync {
     pub use std::sync::{Condvar, Mutex, MutexGuard};
 }
 
+pub use draft::Draft;
 pub use snapshot::Snapshot;
 
-use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
+use crate::diagnostic::Diagnostic;
 use crate::document::History;
-use crate::document::model::{Document, split_port};
+use crate::document::model::Document;
 use crate::document::operations::Operation;
 use crate::evaluate::report::Progress;
-use crate::evaluate::session::{Host, Options, Session, check_range, no_input};
+use crate::evaluate::session::{Options, Session};
 use crate::registry::Registry;
 use crate::value::Json;
 use desk::Desk;
@@ -64,9 +66,7 @@ use worker::{Message, Told, Worker};
 /// assert_eq!(snapshot.value("a.y").unwrap().first::<f64>(), Some(&8.0));
 /// ```
 pub struct Live {
-    registry: Arc<Registry>,
-    document: Document,
-    host: Arc<dyn Host>,
+    draft: Draft,
     history: History,
     revision: u64,
     locked: bool,
@@ -92,7 +92,8 @@ impl Live {
     ) -> std::io::Result<Self> {
         let host = options.host.clone();
         let session = Session::new(registry.clone(), document, options);
-        let (document, revision) = (session.document().clone(), 1);
+        let revision = 1;
+        let draft = Draft::new(registry, host, session.document().clone());
         let (desk, progress) = (Arc::new(Desk::new()), Told::default());
         let worker = Worker {
             session,
@@ -109,19 +110,19 @@ impl Live {
         };
         let thread = std::thread::Builder::new().name("tenon-live".into()).spawn(move || worker.run())?;
         let history = History::default();
-        Ok(Self { registry, document, host, history, revision, locked: false, progress, desk, thread: Some(thread) })
+        Ok(Self { draft, history, revision, locked: false, progress, desk, thread: Some(thread) })
     }
 
     /// The document as it stands after the last change, whether evaluated or not.
     #[must_use]
     pub fn document(&self) -> &Document {
-        &self.document
+        self.draft.document()
     }
 
     /// The registry.
     #[must_use]
     pub fn registry(&self) -> &Arc<Registry> {
-        &self.registry
+        self.draft.registry()
     }
 
     /// The revision of the document and the goals as they stand.
@@ -146,23 +147,13 @@ impl Live {
     /// # Errors
     /// If the operation is refused; then nothing has changed.
     pub fn apply(&mut self, operation: Operation) -> Result<u64, Diagnostic> {
-        let inverse = operation.apply(&mut self.document)?;
+        let inverse = self.draft.apply(&operation)?;
         self.history.record(inverse);
         Ok(self.applied(operation))
     }
 
     /// Tells the thread of an operation that the document has seen.
     fn applied(&mut self, operation: Operation) -> u64 {
-        // The session does the same when it sees new nodes.
-        use Operation as O;
-        if operation.parts().any(|o| matches!(o, O::SetCluster { .. })) {
-            self.document.read_links(&*self.host);
-        }
-        let adds =
-            |o: &O| matches!(o, O::AddNode { .. } | O::PutNode { .. } | O::SetCluster { .. } | O::InCluster { .. });
-        if operation.parts().any(adds) {
-            self.document.migrate(&self.registry);
-        }
         let revision = self.next_revision();
         self.send(Message::Edit { revision, operation });
         revision
@@ -182,66 +173,16 @@ impl Live {
     /// If there is no such name, a port has a wire, or a value is not accepted; then nothing has changed. Formulas are
     /// computed later: what is wrong with one stands in the snapshot's report.
     pub fn set_many<'a>(&mut self, values: impl IntoIterator<Item = (&'a str, Json)>) -> Result<u64, Diagnostic> {
-        let mut all = Vec::new();
-        for (name, value) in values {
-            self.settings(name, &value, &mut all)?;
-        }
+        let all = self.draft.settings(values)?;
         if all.is_empty() { Ok(self.revision) } else { self.apply(Operation::All(all)) }
-    }
-
-    /// The operations that set one name.
-    fn settings(&self, name: &str, value: &Json, all: &mut Vec<Operation>) -> Result<(), Diagnostic> {
-        let interface = self.document.inputs.get(name);
-        let own = [name.to_owned()];
-        let places = match interface {
-            Some(input) => input.ports.as_slice(),
-            None if name.contains('.') => &own,
-            None => return Err(no_input(&self.document, name)),
-        };
-        for address in places {
-            let Some((id, port_name)) = split_port(address) else {
-                return Err(Diagnostic::error("bad-address", format!("\"{address}\" is not of the form node.port")));
-            };
-            let Some(node) = self.document.nodes.get(id) else {
-                let hint = did_you_mean(id, self.document.nodes.keys().take(10_000).map(String::as_str));
-                let message = format!("there is no node \"{id}\"");
-                return Err(Diagnostic::error("unknown-name", message).maybe_hint(hint));
-            };
-            let Some(port) = self.document.input_port(&self.registry, address) else {
-                let t = self.registry.get(&node.type_name);
-                if t.is_none() && node.cluster().is_none() {
-                    let message = format!("the type of node \"{id}\" is not known");
-                    return Err(Diagnostic::error("unknown-node", message).at(id));
-                }
-                let hint = t.and_then(|t| did_you_mean(port_name, t.inputs().iter().map(|p| p.name())));
-                let message = format!("\"{}\" has no input \"{port_name}\"", node.type_name);
-                return Err(Diagnostic::error("unknown-port", message).at(id).port(port_name).maybe_hint(hint));
-            };
-            if node.inputs.get(port_name).is_some_and(|wires| !wires.from.is_empty()) {
-                let message = format!("{address} has a wire, which overrules a value");
-                return Err(Diagnostic::error("wired-input", message).at(id).port(port_name));
-            }
-            let names = port.names_in(value);
-            let is_formula = !names.is_empty() && names.iter().all(|name| self.document.inputs.contains_key(name));
-            if !value.is_null() && !is_formula {
-                let tree = port.literal(value).map_err(|fail| fail.at(Severity::Error, id))?;
-                if let Some(input) = interface {
-                    check_range(name, input, &tree)?;
-                }
-            }
-            let value = (!value.is_null()).then(|| value.clone());
-            all.push(Operation::SetParam { node: id.to_owned(), port: port_name.to_owned(), value });
-        }
-        Ok(())
     }
 
     /// Makes the document what `document` is, as one step that can be undone: a file that was changed elsewhere. O(n).
     ///
     /// # Errors
     /// If it cannot become so; then nothing has changed.
-    pub fn replace(&mut self, mut document: Document) -> Result<u64, Diagnostic> {
-        document.migrate(&self.registry);
-        let steps = self.document.diff(&document);
+    pub fn replace(&mut self, document: Document) -> Result<u64, Diagnostic> {
+        let steps = self.draft.steps_to(document);
         if steps.is_empty() { Ok(self.revision) } else { self.apply(Operation::All(steps)) }
     }
 
@@ -261,9 +202,9 @@ impl Live {
     /// # Errors
     /// As [`History::undo`].
     pub fn undo(&mut self) -> Result<Option<u64>, Diagnostic> {
-        let (document, mut done) = (&mut self.document, None);
+        let (draft, mut done) = (&mut self.draft, None);
         self.history.undo_by(|step| {
-            let inverse = step.apply(document)?;
+            let inverse = draft.apply(step)?;
             done = Some(step.clone());
             Ok(inverse)
         })?;
@@ -275,9 +216,9 @@ impl Live {
     /// # Errors
     /// As [`History::redo`].
     pub fn redo(&mut self) -> Result<Option<u64>, Diagnostic> {
-        let (document, mut done) = (&mut self.document, None);
+        let (draft, mut done) = (&mut self.draft, None);
         self.history.redo_by(|step| {
-            let inverse = step.apply(document)?;
+            let inverse = draft.apply(step)?;
             done = Some(step.clone());
             Ok(inverse)
         })?;

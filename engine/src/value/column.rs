@@ -19,11 +19,27 @@ enum Data {
 }
 
 struct Typed<T: Send + 'static> {
-    items: Box<[T]>,
+    items: Items<T>,
     /// Present only if there is at least one gap.
     valid: Option<Box<[bool]>>,
     digest: u128,
     bytes: usize,
+}
+
+/// Where the items of a column are.
+enum Items<T> {
+    Own(Box<[T]>),
+    Lent(Box<dyn AsRef<[T]> + Send + Sync>),
+}
+
+impl<T> std::ops::Deref for Items<T> {
+    type Target = [T];
+    fn deref(&self) -> &[T] {
+        match self {
+            Self::Own(items) => items,
+            Self::Lent(owner) => (**owner).as_ref(),
+        }
+    }
 }
 
 /// One item without a gap, which most columns are: one allocation, and nothing but the item in it.
@@ -52,7 +68,9 @@ trait ColumnData: Send + Sync {
 
 impl<T: Send + 'static> Drop for Typed<T> {
     fn drop(&mut self) {
-        stop::let_go(std::mem::take(&mut self.items).into_vec());
+        if let Items::Own(items) = &mut self.items {
+            stop::let_go(std::mem::take(items).into_vec());
+        }
     }
 }
 
@@ -323,6 +341,16 @@ impl Column {
         Self(Data::Shared(Arc::new(Single { digest, bytes, item })))
     }
 
+    /// A column without gaps of items that somebody else owns: `owner` is kept as long as they are looked at, and must
+    /// give the same items every time. O(n): the digest is made here.
+    #[must_use]
+    pub fn lent<T: Item>(owner: impl AsRef<[T]> + Send + Sync + 'static) -> Self {
+        let items: Items<T> = Items::Lent(Box::new(owner));
+        let digest = digest(&items, None);
+        let bytes = size_of::<Typed<T>>() + size_of_val(&*items) + items.iter().map(Item::heap_bytes).sum::<usize>();
+        Self(Data::Shared(Arc::new(Typed { items, valid: None, digest, bytes })))
+    }
+
     /// A column in which `None` is a gap. O(n).
     #[must_use]
     pub fn with_gaps<T: Item>(items: Vec<Option<T>>) -> Self {
@@ -344,7 +372,7 @@ impl Column {
             + size_of_val(items.as_slice())
             + items.iter().map(Item::heap_bytes).sum::<usize>()
             + valid.as_ref().map_or(0, |v| v.len());
-        Self(Data::Shared(Arc::new(Typed { items: items.into_boxed_slice(), valid, digest, bytes })))
+        Self(Data::Shared(Arc::new(Typed { items: Items::Own(items.into_boxed_slice()), valid, digest, bytes })))
     }
 
     /// Items and gaps together.

@@ -9,6 +9,7 @@ mod orient;
 mod patch;
 mod polygon;
 mod structure;
+mod triangles;
 mod weld;
 
 pub use adjacency::Adjacency;
@@ -20,4 +21,5 @@ pub use order::{FaceKind, OrderKind, OrderParams, Ordered, Start, order_faces};
 pub use orient::{Front, Oriented, orient};
 pub use patch::{Closing, Patch};
 pub use polygon::{Address, Mesh};
+pub use triangles::triangles;
 pub use weld::{Welded, weld};

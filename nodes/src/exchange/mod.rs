@@ -2,7 +2,9 @@
 //! borrowed or change hands, they are not copied.
 
 mod give;
+mod preview;
 mod take;
 
 pub use give::branches;
-pub use take::tree;
+pub use preview::{Part, Preview, preview};
+pub use take::{lent_tree, tree};

@@ -3,7 +3,9 @@
 
 use crate::value::{Point, V, Vector};
 use bytemuck::{Pod, cast_vec};
+use std::any::Any;
 use std::borrow::Cow;
+use std::sync::Arc;
 use tenon_engine::{Column, Item, Path, Text, Tree};
 use tenon_geometry::ifs::Curve;
 use tenon_geometry::joint::{Feature, FeatureSet, Hardware, Machining};
@@ -21,6 +23,54 @@ use tenon_plugin::value as c;
 pub fn tree(branches: Vec<c::Branch<'_>>) -> Result<Tree, String> {
     let all = branches.into_iter().map(|b| Ok((Path::new(b.path.to_vec()), column(b.items, b.valid.as_deref())?)));
     Ok(Tree::from_branches(all.collect::<Result<_, String>>()?))
+}
+
+/// The same of arrays that somebody else owns and that stay as they are while `owner` lives. Numbers, integers, points
+/// and vectors without gaps are shared with it; all else is copied. O(size) for the digest.
+///
+/// # Errors
+/// As [`tree`].
+pub fn lent_tree(branches: Vec<c::Branch<'static>>, owner: &Arc<dyn Any + Send + Sync>) -> Result<Tree, String> {
+    let all = branches.into_iter().map(|b| {
+        let path = Path::new(b.path.to_vec());
+        let column = match (&b.items, &b.valid) {
+            (c::Items::Number(Cow::Borrowed(v)), None) => {
+                finite(v.iter().copied(), None)?;
+                lent::<f64>(v, owner)
+            }
+            (c::Items::Integer(Cow::Borrowed(v)), None) => lent::<i64>(v, owner),
+            (c::Items::Point(Cow::Borrowed(v)), None) => {
+                finite(v.iter().map(|p| p.x + p.y + p.z), None)?;
+                lent::<Point>(bytemuck::cast_slice(v), owner)
+            }
+            (c::Items::Vector(Cow::Borrowed(v)), None) => {
+                finite(v.iter().map(|p| p.x + p.y + p.z), None)?;
+                lent::<Vector>(bytemuck::cast_slice(v), owner)
+            }
+            _ => column(b.items, b.valid.as_deref())?,
+        };
+        Ok((path, column))
+    });
+    Ok(Tree::from_branches(all.collect::<Result<_, String>>()?))
+}
+
+/// Items and who owns them.
+struct Lent<T: 'static> {
+    items: &'static [T],
+    _owner: Arc<dyn Any + Send + Sync>,
+}
+
+impl<T> AsRef<[T]> for Lent<T> {
+    fn as_ref(&self) -> &[T] {
+        self.items
+    }
+}
+
+fn lent<T: Item>(items: &'static [T], owner: &Arc<dyn Any + Send + Sync>) -> Column {
+    match items {
+        [one] => Column::single(one.clone()),
+        items => Column::lent(Lent { items, _owner: owner.clone() }),
+    }
 }
 
 /// Items with gaps where `valid` says so.
