@@ -11,10 +11,10 @@ they belong to stays alive as long as they do.
 
 from __future__ import annotations
 
-from ._graph import Diagnostic, Engine, Graph, NodeReport, Result, TenonError, handle_count, version
-from ._values import Curve, Feature, Features, File, Mesh, Panels, Value
+from ._graph import Diagnostic, Engine, Graph, Job, NodeReport, Result, TenonError, handle_count, version
+from ._values import Curve, Feature, Features, File, Mesh, Panels, Preview, Value
 
 __all__ = [
-    "Curve", "Diagnostic", "Engine", "Feature", "Features", "File", "Graph", "Mesh", "NodeReport", "Panels", "Result",
-    "TenonError", "Value", "handle_count", "version",
+    "Curve", "Diagnostic", "Engine", "Feature", "Features", "File", "Graph", "Job", "Mesh", "NodeReport", "Panels", "Preview",
+    "Result", "TenonError", "Value", "handle_count", "version",
 ]

@@ -72,12 +72,17 @@ class Panels(c.Structure):
         ("thickness", c.c_double),
         ("panel_count", c.c_uint64),
         ("corner_count", c.c_uint64),
-    ] + [
-        (name, c.c_void_p)
-        for name in (
-            "corner_start", "address", "normal", "front", "vertex", "chamfer",
-            "neighbour", "side", "back_start", "back_end", "voided",
-        )
+        ("corner_start", c.c_void_p),
+        ("address", c.c_void_p),
+        ("normal", c.c_void_p),
+        ("front", c.c_void_p),
+        ("vertex", c.c_void_p),
+        ("chamfer", c.c_void_p),
+        ("neighbour", c.c_void_p),
+        ("side", c.c_void_p),
+        ("back_start", c.c_void_p),
+        ("back_end", c.c_void_p),
+        ("voided", c.c_void_p),
     ]
 
 
@@ -139,14 +144,55 @@ class Config(c.Structure):
 PROGRESS = c.CFUNCTYPE(c.c_int32, c.c_void_p, c.c_double, Str)
 
 
+DONE = c.CFUNCTYPE(None, c.c_void_p, c.c_int32)
+RELEASE = c.CFUNCTYPE(None, c.c_void_p)
+
+
 class Options(c.Structure):
-    _fields_ = [("size", c.c_uint32), ("flags", c.c_uint32), ("context", c.c_void_p), ("progress", PROGRESS)]
+    _fields_ = [
+        ("size", c.c_uint32),
+        ("flags", c.c_uint32),
+        ("context", c.c_void_p),
+        ("progress", PROGRESS),
+        ("done", DONE),
+    ]
+
+
+class Preview(c.Structure):
+    _fields_ = [
+        ("size", c.c_uint32),
+        ("flags", c.c_uint32),
+        ("node", Str),
+        ("port", Str),
+        ("origin", Vec3),
+        ("low", Vec3),
+        ("high", Vec3),
+        ("positions", c.c_void_p),
+        ("normals", c.c_void_p),
+        ("vertex_parts", c.c_void_p),
+        ("vertex_count", c.c_uint64),
+        ("triangles", c.c_void_p),
+        ("triangle_count", c.c_uint64),
+        ("lines", c.c_void_p),
+        ("line_count", c.c_uint64),
+        ("points", c.c_void_p),
+        ("point_count", c.c_uint64),
+        ("parts", c.c_void_p),
+        ("part_count", c.c_uint64),
+    ]
 
 
 class Diagnostic(c.Structure):
-    _fields_ = [("size", c.c_uint32), ("severity", c.c_uint32)] + [
-        (name, Str) for name in ("code", "message", "hint", "node", "port")
-    ] + [("item", c.c_uint64)]
+    _fields_ = [
+        ("size", c.c_uint32),
+        ("severity", c.c_uint32),
+        ("code", Str),
+        ("message", Str),
+        ("hint", Str),
+        ("node", Str),
+        ("port", Str),
+        ("item", c.c_uint64),
+    ]
 
 
 class NodeReport(c.Structure):
@@ -189,6 +235,11 @@ def _declare() -> None:
         "tenon_graph_connect": [HANDLE, c.c_char_p, c.c_char_p, c.c_char_p],
         "tenon_graph_disconnect": [HANDLE, c.c_char_p, c.c_char_p, c.c_char_p],
         "tenon_graph_interface": [HANDLE, c.c_uint32, OUT],
+        "tenon_graph_give": [HANDLE, c.c_char_p, c.POINTER(Tree)],
+        "tenon_graph_share": [HANDLE, c.c_char_p, c.POINTER(Tree), RELEASE, c.c_void_p],
+        "tenon_graph_start": [HANDLE, c.POINTER(c.c_char_p), c.c_uint64, c.POINTER(Options), OUT],
+        "tenon_job_wait": [HANDLE, c.c_uint64, OUT],
+        "tenon_result_preview": [HANDLE, c.c_char_p, c.POINTER(Preview)],
         "tenon_graph_evaluate": [HANDLE, c.POINTER(c.c_char_p), c.c_uint64, c.POINTER(Options), OUT],
         "tenon_result_output": [HANDLE, c.c_char_p, c.POINTER(Tree)],
         "tenon_result_json": [HANDLE, c.c_char_p, OUT],
@@ -198,11 +249,13 @@ def _declare() -> None:
     for name, arguments in failing.items():
         function = getattr(LIB, name)
         function.argtypes, function.restype = arguments, HANDLE
-    for name in ("engine", "graph", "result", "text", "error"):
+    for name in ("engine", "graph", "job", "result", "text", "error"):
         function = getattr(LIB, f"tenon_{name}_free")
         function.argtypes, function.restype = [HANDLE], None
     others = {
         "tenon_graph_cancel": None,
+        "tenon_job_cancel": None,
+        "tenon_job_progress": c.c_double,
         "tenon_error_status": c.c_int32,
         "tenon_error_message": Str,
         "tenon_error_node": Str,

@@ -7,11 +7,15 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
-from . import _c
+from . import _c, _callbacks, _give
 from ._c import LIB
-from ._values import Value, column
+from ._callbacks import Progress
+from ._values import Preview, Value, column, preview
+
+if TYPE_CHECKING:
+    import numpy as np
 
 PathLike = Union[str, "os.PathLike[str]"]
 
@@ -121,12 +125,12 @@ class Result(_Owned):
     @property
     def ok(self) -> bool:
         """No diagnostic is an error, and nobody cancelled."""
-        return LIB.tenon_result_status(self._handle) == 0
+        return int(LIB.tenon_result_status(self._handle)) == 0
 
     @property
     def cancelled(self) -> bool:
         """Somebody cancelled; there are no values."""
-        return LIB.tenon_result_status(self._handle) == 1
+        return int(LIB.tenon_result_status(self._handle)) == 1
 
     @property
     def diagnostics(self) -> List[Diagnostic]:
@@ -137,7 +141,9 @@ class Result(_Owned):
             _must(LIB.tenon_result_diagnostic(self._handle, i, c.byref(d)))
             severity = ("note", "warning", "error")[d.severity]
             item = None if d.item == 2**64 - 1 else d.item
-            found.append(Diagnostic(severity, *map(str, (d.code, d.message, d.hint, d.node, d.port)), item))
+            found.append(
+                Diagnostic(severity, str(d.code), str(d.message), str(d.hint), str(d.node), str(d.port), item)
+            )
         return found
 
     @property
@@ -172,6 +178,12 @@ class Result(_Owned):
     def json(self, output: str) -> Any:
         """An output as JSON, for types that do not cross."""
         return json.loads(_text(LIB.tenon_result_json, self._handle, output.encode()))
+
+    def preview(self, output: str) -> Preview:
+        """An output as triangles, lines and points for a viewport: views of the result's memory."""
+        seen = _c.Preview(size=c.sizeof(_c.Preview))
+        _must(LIB.tenon_result_preview(self._handle, output.encode(), c.byref(seen)))
+        return preview(self, seen)
 
     def check(self) -> "Result":
         """Raises a TenonError if something is missing."""
@@ -244,29 +256,110 @@ class Graph(_Owned):
     @property
     def inputs(self) -> List[Dict[str, Any]]:
         """The interface's inputs: name, doc, unit, ports, min, max."""
-        return json.loads(_text(LIB.tenon_graph_interface, self._handle, 0))
+        found: List[Dict[str, Any]] = json.loads(_text(LIB.tenon_graph_interface, self._handle, 0))
+        return found
 
     @property
     def outputs(self) -> List[Dict[str, Any]]:
         """The interface's outputs: name, doc, unit, ports."""
-        return json.loads(_text(LIB.tenon_graph_interface, self._handle, 1))
+        found: List[Dict[str, Any]] = json.loads(_text(LIB.tenon_graph_interface, self._handle, 1))
+        return found
 
     def save(self) -> str:
         """The graph's text with all values set so far."""
         return _text(LIB.tenon_graph_save, self._handle)
 
-    def evaluate(self, *outputs: str, progress: Optional[Callable[[float, str], Any]] = None) -> Result:
+    def evaluate(self, *outputs: str, progress: Optional[Progress] = None) -> Result:
         """Brings outputs up to date, all of the interface if none is named. `progress` gets fraction and node; giving
         False cancels. Other Python threads go on meanwhile."""
         names = [name.encode() for name in outputs]
-        options = _c.Options(size=c.sizeof(_c.Options))
-        if progress is not None:
-            options.progress = _c.PROGRESS(lambda _, fraction, node: int(progress(fraction, str(node)) is not False))
-        out = c.c_void_p()
         array = (c.c_char_p * len(names))(*names)
-        _must(LIB.tenon_graph_evaluate(self._handle, array, len(names), c.byref(options), c.byref(out)))
+        number = _callbacks.listen(progress, None)
+        try:
+            options = _c.Options(size=c.sizeof(_c.Options), context=number)
+            if progress is not None:
+                options.progress = _callbacks.progress
+            out = c.c_void_p()
+            _must(LIB.tenon_graph_evaluate(self._handle, array, len(names), c.byref(options), c.byref(out)))
+        finally:
+            _callbacks.forget(number)
         return Result(out)
+
+    def start(
+        self, *outputs: str, progress: Optional[Progress] = None, done: Optional[Callable[[], Any]] = None
+    ) -> "Job":
+        """The same on a thread of its own; returns at once. The job is of the graph as it stands now: what is set from then
+        on is for the next one. `done` is called on the job's thread when it has ended, also when it was cancelled."""
+        names = [name.encode() for name in outputs]
+        array = (c.c_char_p * len(names))(*names)
+        number = _callbacks.listen(progress, done)
+        options = _c.Options(size=c.sizeof(_c.Options), context=number, done=_callbacks.done)
+        if progress is not None:
+            options.progress = _callbacks.progress
+        out = c.c_void_p()
+        try:
+            _must(LIB.tenon_graph_start(self._handle, array, len(names), c.byref(options), c.byref(out)))
+        except TenonError:
+            _callbacks.forget(number)
+            raise
+        return Job(out)
+
+    def give(self, name: str, value: Any) -> "Graph":
+        """Sets an input to what a graph file cannot hold: an array of numbers or points (n × 3), a `Mesh` or a compas mesh, a
+        `Curve`, a list of these, or a dict of them by path. It is copied. It stands until the input is set otherwise and
+        is not part of `save`."""
+        tree, keep = _give.tree(value)
+        _must(LIB.tenon_graph_give(self._handle, name.encode(), c.byref(tree)))
+        del keep
+        return self
+
+    def share(self, name: str, array: "np.ndarray[Any, Any]") -> "Graph":
+        """As `give`, without a copy of a contiguous array of float64 or int64: it is made read-only and kept as long as
+        the engine looks at it."""
+        tree, keep = _give.tree(array)
+        array.flags.writeable = False
+        number = _callbacks.lend(keep)
+        try:
+            _must(LIB.tenon_graph_share(self._handle, name.encode(), c.byref(tree), _callbacks.release, number))
+        except TenonError:
+            _callbacks.take_back(number)
+            raise
+        return self
 
     def cancel(self) -> None:
         """Stops the evaluation that runs, from another thread."""
         LIB.tenon_graph_cancel(self._handle)
+
+
+class Job(_Owned):
+    """An evaluation on a thread of its own. Dropping it cancels it."""
+
+    _free = LIB.tenon_job_free
+
+    def wait(self, timeout: Optional[float] = None) -> Optional[Result]:
+        """The result, waiting for it `timeout` seconds at most (as long as it takes if None); None if it has not ended."""
+        milliseconds = 2**64 - 1 if timeout is None else min(max(round(timeout * 1000), 0), 2**63)
+        out = c.c_void_p()
+        _must(LIB.tenon_job_wait(self._handle, milliseconds, c.byref(out)))
+        return Result(out) if out.value else None
+
+    def result(self) -> Result:
+        """The result, waiting for it as long as it takes."""
+        result = self.wait()
+        if result is None:
+            raise TenonError("the job has not ended")
+        return result
+
+    @property
+    def done(self) -> bool:
+        """It has ended."""
+        return self.wait(0) is not None
+
+    @property
+    def progress(self) -> float:
+        """How far it is, 0 to 1."""
+        return float(LIB.tenon_job_progress(self._handle))
+
+    def cancel(self) -> None:
+        """Asks it to stop: its result says that it was cancelled, unless it has ended by itself."""
+        LIB.tenon_job_cancel(self._handle)

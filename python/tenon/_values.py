@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import ctypes as c
 from dataclasses import dataclass
-from typing import Any, List, Optional, Tuple, Union
+from importlib import import_module
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _c
 
 NONE = 0xFFFFFFFF
-Value = Union[np.ndarray, List[Any]]
+Array = NDArray[Any]
+Value = Union[Array, List[Any]]
 
 
-def view(owner: Any, address: Optional[int], count: int, dtype: Any, width: int = 1) -> np.ndarray:
+def view(owner: Any, address: Optional[int], count: int, dtype: Any, width: int = 1) -> Array:
     """`count` rows of `width` numbers at an address, read-only; the array keeps `owner` alive."""
     dtype = np.dtype(dtype)
     if not address or not count:
@@ -30,12 +33,12 @@ def view(owner: Any, address: Optional[int], count: int, dtype: Any, width: int 
 class Curve:
     """A polyline in homogeneous coordinates, or several strips of one."""
 
-    homogeneous: np.ndarray
-    strip_start: np.ndarray
+    homogeneous: Array
+    strip_start: Array
     closed: bool
 
     @property
-    def points(self) -> np.ndarray:
+    def points(self) -> Array:
         """The points in space, mm (computed)."""
         return self.homogeneous[:, :3] / self.homogeneous[:, 3:]
 
@@ -44,21 +47,32 @@ class Curve:
 class Mesh:
     """A polygon mesh: loops in compressed rows."""
 
-    points: np.ndarray
-    face_start: np.ndarray
-    face_vertices: np.ndarray
-    addresses: np.ndarray
+    points: Array
+    face_start: Array
+    face_vertices: Array
+    addresses: Array
 
     @property
     def faces(self) -> List[np.ndarray]:
         """Vertex indices of each face."""
         return np.split(self.face_vertices, self.face_start[1:-1]) if len(self.face_start) > 1 else []
 
+    @classmethod
+    def from_faces(cls, points: Any, faces: Sequence[Sequence[int]]) -> "Mesh":
+        """A mesh of points (n × 3, mm) and loops of vertex indices, counter-clockwise seen from the front."""
+        start = np.cumsum([0] + [len(face) for face in faces]).astype("u4")
+        vertices = np.array([v for face in faces for v in face], "u4")
+        return cls(np.asarray(points, "f8").reshape(-1, 3), start, vertices, np.empty((0, 3), "u4"))
+
+    @classmethod
+    def from_compas(cls, mesh: Any) -> "Mesh":
+        """A mesh of a `compas.datastructures.Mesh`, whose lengths are taken as mm."""
+        points, faces = mesh.to_vertices_and_faces()
+        return cls.from_faces(points, faces)
+
     def to_compas(self) -> Any:
         """The mesh as a `compas.datastructures.Mesh`; needs compas."""
-        from compas.datastructures import Mesh as CompasMesh
-
-        return CompasMesh.from_vertices_and_faces(self.points.tolist(), [f.tolist() for f in self.faces])
+        return _compas_mesh(self.points.tolist(), [f.tolist() for f in self.faces])
 
 
 @dataclass(frozen=True)
@@ -66,17 +80,17 @@ class Panels:
     """A panel set: one row per panel, or per corner (and edge) as `corner_start` says."""
 
     thickness: float
-    corner_start: np.ndarray
-    address: np.ndarray
-    normal: np.ndarray
-    front: np.ndarray
-    vertex: np.ndarray
-    chamfer: np.ndarray
-    neighbour: np.ndarray
-    side: np.ndarray
-    back_start: np.ndarray
-    back_end: np.ndarray
-    voided: np.ndarray
+    corner_start: Array
+    address: Array
+    normal: Array
+    front: Array
+    vertex: Array
+    chamfer: Array
+    neighbour: Array
+    side: Array
+    back_start: Array
+    back_end: Array
+    voided: Array
 
     def __len__(self) -> int:
         return max(len(self.corner_start) - 1, 0)
@@ -85,7 +99,7 @@ class Panels:
         """Rows of a panel's corners and edges; empty for a panel that could not be made."""
         return slice(int(self.corner_start[panel]), int(self.corner_start[panel + 1]))
 
-    def solid(self, panel: int) -> Tuple[np.ndarray, List[List[int]]]:
+    def solid(self, panel: int) -> Tuple[Array, List[List[int]]]:
         """A panel as a closed polyhedron: points and the loops of its faces, counter-clockwise seen from outside."""
         rows = self.corners(panel)
         front, start, end = self.front[rows], self.back_start[rows], self.back_end[rows]
@@ -93,7 +107,7 @@ class Panels:
         points = [tuple(p) for p in front]
         index = {p: i for i, p in enumerate(points)}
 
-        def at(p: np.ndarray) -> int:
+        def at(p: Array) -> int:
             key = tuple(p)
             if key not in index:
                 index[key] = len(points)
@@ -115,6 +129,69 @@ class Panels:
         return np.array(points), faces
 
 
+    def to_compas(self) -> List[Any]:
+        """The panels that could be made as closed `compas.datastructures.Mesh`es named by their addresses; needs compas."""
+        meshes = []
+        for i in range(len(self)):
+            points, faces = self.solid(i)
+            if len(points):
+                mesh = _compas_mesh(points.tolist(), faces)
+                mesh.name = self.name(i)
+                meshes.append(mesh)
+        return meshes
+
+    def name(self, panel: int) -> str:
+        """A panel's row and column, behind its patch where there are several."""
+        patch, row, column = (int(n) for n in self.address[panel])
+        return f"{patch}/{row}/{column}" if self.address[:, 0].any() else f"{row}/{column}"
+
+
+@dataclass(frozen=True)
+class Preview:
+    """An output for a viewport. Triangles are counter-clockwise seen from outside; `parts` says per panel, face, curve or
+    point where it stands: item, branch, element, patch, row, column."""
+
+    node: str
+    port: str
+    origin: Array
+    low: Array
+    high: Array
+    positions: Array
+    normals: Array
+    vertex_parts: Array
+    triangles: Array
+    lines: Array
+    points: Array
+    parts: Array
+
+
+def _place(v: _c.Vec3) -> Array:
+    return np.array([v.x, v.y, v.z])
+
+
+PART = np.dtype(
+    [("item", "u8"), ("branch", "u4"), ("element", "u4"), ("patch", "u4"), ("row", "u4"), ("column", "u4"), ("flags", "u4")]
+)
+
+
+def preview(owner: Any, x: _c.Preview) -> Preview:
+    """The buffers as arrays that keep `owner` alive."""
+    return Preview(
+        str(x.node), str(x.port), _place(x.origin), _place(x.low), _place(x.high),
+        view(owner, x.positions, x.vertex_count, "f4", 3),
+        view(owner, x.normals, x.vertex_count, "f4", 3),
+        view(owner, x.vertex_parts, x.vertex_count, "u4"),
+        view(owner, x.triangles, x.triangle_count, "u4", 3),
+        view(owner, x.lines, x.line_count, "u4", 2),
+        view(owner, x.points, x.point_count, "u4"),
+        view(owner, x.parts, x.part_count, PART),
+    )
+
+
+def _compas_mesh(points: Any, faces: Any) -> Any:
+    return import_module("compas.datastructures").Mesh.from_vertices_and_faces(points, faces)
+
+
 @dataclass(frozen=True)
 class Feature:
     """One machining feature on one panel; see tenon_feature in tenon_value.h."""
@@ -129,7 +206,7 @@ class Feature:
     axis: Tuple[float, float, float]
     depth: float
     width: float
-    line: np.ndarray
+    line: Array
     text: str
     purpose: str
 
@@ -193,14 +270,17 @@ def _some(number: int) -> Optional[int]:
     return None if number == NONE else number
 
 
+def _vec(v: _c.Vec3) -> Tuple[float, float, float]:
+    return (v.x, v.y, v.z)
+
+
 def _features(owner: Any, x: _c.Features) -> Features:
     features = []
     for i in range(x.feature_count):
         f = _c.Feature.from_address(x.features + i * x.feature_stride)
-        vec = lambda v: (v.x, v.y, v.z)  # noqa: E731
         features.append(
             Feature(
-                KINDS[f.kind], f.panel, _some(f.edge), _some(f.joint), bool(f.by_hand), vec(f.at), vec(f.to), vec(f.axis),
+                KINDS[f.kind], f.panel, _some(f.edge), _some(f.joint), bool(f.by_hand), _vec(f.at), _vec(f.to), _vec(f.axis),
                 f.depth, f.width, view(owner, f.line, f.line_count, "f8", 3), str(f.text), str(f.purpose),
             )
         )
@@ -214,7 +294,7 @@ def _file(_: Any, x: _c.File) -> File:
 
 
 PLAIN = {1: ("?", 1), 2: ("i8", 1), 3: ("f8", 1), 5: ("f8", 3), 6: ("f8", 3), 7: ("f8", 4)}
-STRUCTS = {
+STRUCTS: Dict[int, Tuple[Any, Callable[[Any, Any], Any]]] = {
     8: (_c.Curve, _curve),
     9: (_c.Mesh, _mesh),
     10: (_c.Panels, _panels),
@@ -224,9 +304,18 @@ STRUCTS = {
 
 
 def column(owner: Any, x: _c.Column) -> Value:
-    """A column: an array for numbers, points, vectors and planes, otherwise a list with None at gaps."""
+    """A column: an array for numbers, points, vectors and planes (a copy with NaN at gaps, if there are any), otherwise a
+    list with None at gaps."""
     if x.kind in PLAIN:
-        return view(owner, x.items, x.count, *PLAIN[x.kind])
+        array = view(owner, x.items, x.count, *PLAIN[x.kind])
+        if not x.valid:
+            return array
+        good = view(owner, x.valid, x.count, "?")
+        if array.dtype.kind != "f":
+            return [item if there else None for item, there in zip(array.tolist(), good)]
+        array = array.copy()
+        array[~good] = np.nan
+        return array
     if x.kind == 4:
         items: List[Any] = [str(_c.Str.from_address(x.items + i * x.stride)) for i in range(x.count)]
     elif x.kind in STRUCTS:

@@ -138,6 +138,99 @@ def test_node_types_are_described():
         engine.describe("thiken")
 
 
+def test_jobs_are_of_the_graph_as_it_was():
+    graph = tenon.Graph.load(SHELL)
+    jobs = []
+    for thickness in (11, 12, 13):
+        jobs.append(graph.set(thickness=thickness).start("panels"))
+    graph.set(thickness=20)
+    assert [job.result().check()["panels"].thickness for job in reversed(jobs)] == [13, 12, 11]
+    assert all(job.done and job.progress == 1 for job in jobs)
+    assert graph.evaluate("panels")["panels"].thickness == 20
+
+
+def test_jobs_tell_of_progress_and_of_their_end():
+    graph = tenon.Graph.load(SHELL)
+    heard, ended = [], threading.Event()
+    job = graph.start("panels", progress=lambda *told: heard.append(told), done=ended.set)
+    assert ended.wait(60) and job.wait(0) is not None and heard
+    # Cancelled by progress, by the job, by dropping it.
+    assert graph.set(thickness=15).start("panels", progress=lambda *_: False).result().cancelled
+    job = graph.set({"arc.points": [[0, 0, 0], [900, 0, 1600], [3600, 0, 1500], [4500, 0, 0]]}).start("panels")
+    job.cancel()
+    assert job.result().cancelled or job.result().ok
+    ended.clear()
+    job = graph.set(thickness=16).start(done=ended.set)
+    del job
+    assert ended.is_set()
+    # An evaluation that would wait for itself is refused, in words.
+    refused = []
+
+    def wait(*_):
+        try:
+            graph.evaluate("panels")
+        except tenon.TenonError as error:
+            refused.append(str(error))
+
+    graph.set(thickness=17).start("panels", progress=wait).result().check()
+    assert refused and "tenon_graph_start" in refused[0]
+
+
+def test_arrays_are_given_and_shared():
+    graph = tenon.Graph.from_text({"format": "tenon", "version": 1, "units": "mm", "nodes": {}})
+    graph.add("list", "list").add("half", "expression").set({"half.formula": "x / 2"})
+    numbers = np.arange(1000.0)
+    graph.give("half.x", numbers)
+    numbers[0] = 7
+    assert graph.evaluate("half.value")["half.value"][:3].tolist() == [0, 0.5, 1]
+    # A list that goes through is the caller's own memory, which must not change any more.
+    graph.share("list.items", numbers)
+    result = graph.evaluate("list.items")
+    assert result["list.items"].ctypes.data == numbers.ctypes.data
+    with pytest.raises(ValueError):
+        numbers[0] = 8
+    graph.give("half.x", {(0, 1): [2, 4], (3,): np.array([1.0])})
+    assert {path: v.tolist() for path, v in graph.evaluate("half.value").tree("half.value").items()} == {
+        (0, 1): [1, 2],
+        (3,): [0.5],
+    }
+    graph.set({"half.x": [1, None, 3]})
+    gaps = graph.evaluate("half.value")["half.value"]
+    assert np.isnan(gaps[1]) and gaps[2] == 1.5
+    assert len(graph.give("list.items", np.eye(3)).evaluate("list.items")["list.items"]) == 3
+    assert graph.give("list.items", ["a", "Ä"]).evaluate("list.items")["list.items"] == ["a", "Ä"]
+    with pytest.raises(TypeError, match="cannot be given"):
+        graph.give("list.items", object())
+    with pytest.raises(tenon.TenonError, match="takes number, but text came in"):
+        graph.give("half.x", "a")
+    with pytest.raises(tenon.TenonError, match="not finite"):
+        graph.share("half.x", np.array([1, np.nan]))
+    del graph, result
+    gc.collect()
+    assert tenon._callbacks.lent_count() == 0
+
+
+def folded():
+    points = [[0, 0, 0], [200, 0, 0], [400, 0, 50], [0, 100, 0], [200, 100, 0], [400, 100, 50]]
+    return tenon.Mesh.from_faces(points, [[0, 1, 4, 3], [1, 2, 5, 4]])
+
+
+def thickened():
+    graph = tenon.Graph.from_text({"format": "tenon", "version": 1, "units": "mm", "nodes": {}})
+    return graph.add("order", "order_faces").add("thicken", "thicken").connect("order.mesh", "thicken.mesh")
+
+
+def test_meshes_are_given_and_seen():
+    result = thickened().give("order.mesh", folded()).evaluate("thicken.panels").check()
+    panels, seen = result["thicken.panels"], result.preview("thicken.panels")
+    assert (seen.node, seen.port, len(seen.parts)) == ("thicken", "panels", 2)
+    assert seen.triangles.max() < len(seen.positions) and not seen.positions.flags.owndata
+    corners = (seen.positions.astype(float) + seen.origin)[seen.triangles]
+    inside = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6
+    assert inside == pytest.approx(sum(volume(*panels.solid(i)) for i in range(2)), rel=1e-6)
+    assert seen.parts["row"].tolist() == panels.address[:, 1].tolist()
+
+
 if os.environ.get("TENON_TEST_PLUGIN"):
 
     def test_plugins_bring_node_types():
