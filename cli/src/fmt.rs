@@ -10,11 +10,10 @@ use tenon_engine::{Cluster, Document, Registry};
 /// Formats, or with `--check` only compares, every file; a file that is wrong does not keep the others from being done.
 pub fn fmt(args: &FmtArgs) -> Result<End, Wrong> {
     let voice = Voice::new();
-    let registry = tenon_nodes::registry();
     let mut end = End::Done;
     let mut wrong = Vec::new();
     for path in &args.files {
-        match format_one(path, args, &registry, &voice) {
+        match format_one(path, args, crate::plugins::registry_for, &voice) {
             Ok(None) => {}
             Ok(Some(changed)) if args.check => {
                 voice.say(&format!("{changed} is not in canonical form"));
@@ -47,13 +46,19 @@ fn update_links(file: &Path, document: &mut Document, voice: &Voice) -> Result<(
 }
 
 /// The file's name if it was not in canonical form.
-fn format_one(path: &Path, args: &FmtArgs, registry: &Registry, voice: &Voice) -> Result<Option<String>, Wrong> {
+fn format_one(
+    path: &Path,
+    args: &FmtArgs,
+    registry: impl Fn(&Document) -> Result<Registry, Wrong>,
+    voice: &Voice,
+) -> Result<Option<String>, Wrong> {
     let file = graph::find(path)?;
     let before = graph::read(&file)?;
     let mut document = Document::from_slice(&before).map_err(|diagnostics| {
         Wrong::new("no-graph", format!("{} is not a readable graph", file.display())).because(diagnostics)
     })?;
-    let told = document.migrate(registry);
+    let registry = registry(&document)?;
+    let told = document.migrate(&registry);
     if args.update_links {
         update_links(&file, &mut document, voice)?;
     }
@@ -107,12 +112,12 @@ mod tests {
             std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/migrations").join(name)).unwrap()
         };
         std::fs::write(&file, fixture("beam.before.tenon.json")).unwrap();
-        let (registry, voice) = (registry(), Voice::new());
-        assert!(format_one(&file, &args(true), &registry, &voice).unwrap().is_some(), "--check sees the older version");
+        let (registry, voice) = (|_: &Document| Ok(registry()), Voice::new());
+        assert!(format_one(&file, &args(true), registry, &voice).unwrap().is_some(), "--check sees the older version");
         assert_eq!(std::fs::read_to_string(&file).unwrap(), fixture("beam.before.tenon.json"));
-        assert!(format_one(&file, &args(false), &registry, &voice).unwrap().is_some());
+        assert!(format_one(&file, &args(false), registry, &voice).unwrap().is_some());
         assert_eq!(std::fs::read_to_string(&file).unwrap(), fixture("beam.after.tenon.json"));
-        assert_eq!(format_one(&file, &args(false), &registry, &voice).unwrap(), None, "once is enough");
+        assert_eq!(format_one(&file, &args(false), registry, &voice).unwrap(), None, "once is enough");
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -220,7 +220,23 @@ fn libraries_that_are_no_plugins_are_refused() {
     for (n, (from, to, told)) in [
         (".magic = TENON_PLUGIN_MAGIC", ".magic = 7", "magic number is 0x7"),
         (".abi_major = TENON_PLUGIN_MAJOR", ".abi_major = 2", "version 2 of the plugin contract"),
-        (".size = sizeof(tenon_plugin)", ".size = 24", "its size is 24"),
+        (".abi_major = TENON_PLUGIN_MAJOR", ".abi_major = 0", "build it with the plugin-sdk of this Tenon"),
+        ("return &plugin; }", "return (const void *)((const char *)&plugin + 1); }", "tenon_plugin_v1 gave 0x"),
+        (".nodes = nodes", ".nodes = NULL", "1 node types at 0x0"),
+        (".nodes = nodes", ".nodes = (const void *)((const char *)nodes + 4)", "1 node types at 0x"),
+        (".inputs = inputs", ".inputs = (const void *)((const char *)inputs + 2)", "5 ports at 0x"),
+        (".input_count = COUNT(inputs)", ".input_count = 1000", "1000 ports at 0x"),
+        (".port_stride = sizeof(tenon_port)", ".port_stride = 113", "port_stride is 113"),
+        (".size = sizeof(tenon_node_type)", ".size = 100", "the size of tenon_node_type is 100"),
+        (
+            "{sizeof(tenon_port), TENON_RANGE, TENON_NUMBER",
+            "{8, TENON_RANGE, TENON_NUMBER",
+            "the size of tenon_port is 8",
+        ),
+        ("{sizeof(tenon_port), TENON_RANGE, TENON_NUMBER", "{sizeof(tenon_port), TENON_RANGE, 77", "its kind is 77"),
+        (".node_stride = sizeof(tenon_node_type)", ".node_stride = 157", "node_stride is 157"),
+        (".id = TEXT(\"hinges\")", ".id = {\"hinges\", UINT64_MAX}", "longer than 1 MiB"),
+        (".size = sizeof(tenon_plugin)", ".size = 24", "the size of tenon_plugin is 24"),
         ("TEXT(\"hinges.butt_hinge\")", "TEXT(\"butt_hinge\")", "must be \"hinges.\""),
         ("TEXT(\"hinges.butt_hinge\")", "TEXT(\"hinges.\\xff\")", "UTF-8"),
         (".evaluate = evaluate", ".evaluate = NULL", "evaluate is NULL"),
@@ -241,6 +257,118 @@ fn libraries_that_are_no_plugins_are_refused() {
         let library = compile(&folder.0.join("p.c"), &format!("spoilt{n}"), &["-Wno-error", "-w"]);
         folder.tenon(&["plugin", "info", &library]).code(2).says(&[told]);
     }
+}
+
+fn faulty() -> &'static str {
+    static LIBRARY: OnceLock<String> = OnceLock::new();
+    let source = || root().join("cli/tests/data/faulty.c");
+    LIBRARY.get_or_init(|| compile(&source(), "faulty", &["-Wno-missing-field-initializers"]))
+}
+
+#[test]
+fn what_cannot_be_is_refused_here_and_apart() {
+    // By number: what is said of it. The faults are those of `faulty.c`.
+    const SAID: [&str; 23] = [
+        "",
+        "numbers is NULL",
+        "numbers is misaligned",
+        "numbers: 1152921504606846976 is impossible",
+        "column.stride: 4 is impossible; set it to sizeof one item",
+        "kind 99 is not known",
+        "text is not UTF-8 after byte 0",
+        "tree.size: 0 is impossible; set it to sizeof(tenon_tree)",
+        "branches: 3 is impossible as the bytes from one to the next",
+        "branches is NULL",
+        "tree is NULL",
+        "tree is misaligned",
+        "output 7: there is no such output",
+        "face_start must begin with 0, never fall, and end with the number of entries",
+        "face_vertices: 9 is not below 3",
+        "feature.kind 9 is not known",
+        "tell: message is NULL",
+        "output 0: there is no input 5",
+        "tell: message is misaligned",
+        "evaluate gave the status -77",
+        "path is misaligned",
+        "tree is NULL",
+        "kind 0 is not known",
+    ];
+    let folder = Folder::new();
+    let numbers: Vec<usize> = (0..SAID.len()).collect();
+    folder.write("g.tenon.json", graph(json!({ "type": "faulty.value", "v": 3, "params": { "x": numbers } })));
+    let run = |more: &[&str]| {
+        let call = ["run", "g.tenon.json", "--plugin", faulty(), "--json"];
+        folder.tenon(&[&call[..], more].concat()).code(1).json()["diagnostics"].clone()
+    };
+    let here = run(&[]);
+    let told = here.as_array().unwrap();
+    assert_eq!(told.len(), SAID.len() - 1, "{here:#}");
+    for (d, (n, said)) in told.iter().zip(SAID.iter().enumerate().skip(1)) {
+        assert_eq!((&d["code"], &d["item"]), (&json!("plugin-fault"), &json!(n)), "{d}");
+        assert!(d["message"].as_str().unwrap().contains(said), "{n}: {d}");
+    }
+    #[cfg(target_os = "linux")]
+    assert_eq!(run(&["--isolate", "all"]), here);
+}
+
+#[test]
+fn nodes_of_older_versions_are_brought_forward_by_their_plugin() {
+    let folder = Folder::new();
+    let old = |v: u32, params: Value| graph(json!({ "type": "faulty.value", "v": v, "params": params }));
+    let isolated: &[&str] = if cfg!(target_os = "linux") { &["--isolate", "all"] } else { &[] };
+    for isolate in [&[][..], isolated] {
+        let tenon = |args: &[&str]| folder.tenon(&[args, &["--plugin", faulty()], isolate].concat());
+        folder.write("g.tenon.json", old(1, json!({ "old": 0 })));
+        let ended = tenon(&["run", "g.tenon.json", "--get", "n.y"]).code(0);
+        assert_eq!(ended.json()["branches"]["{0}"], json!([1.0]));
+        ended.says(&["migrated-node", "from version 1 of \"faulty.value\" to 3"]);
+        tenon(&["fmt", "g.tenon.json"]).code(0);
+        let now: Value = serde_json::from_str(&folder.read("g.tenon.json")).unwrap();
+        assert_eq!(now["nodes"]["n"], json!({ "params": { "x": 0 }, "type": "faulty.value", "v": 3 }));
+        folder.write("g.tenon.json", old(2, json!({ "x": "stuck" })));
+        tenon(&["check", "g.tenon.json"]).code(1).says(&["migration-failed", "it is stuck"]);
+    }
+}
+
+#[test]
+fn two_plugins_with_one_id_are_one_too_many() {
+    let folder = Folder::with("g.tenon.json", NUMBERS);
+    let other = folder.0.join("other.so").display().to_string();
+    std::fs::copy(hinges(), &other).unwrap();
+    let ended = folder.tenon(&["run", "g.tenon.json", "--plugin", hinges(), "--plugin", &other]).code(2);
+    ended.says(&["other.so", "hinges.butt_hinge"]);
+}
+
+/// A plugin of a later minor version: its structs have grown, it says so, and it is loaded as far as we know it.
+#[test]
+fn a_plugin_of_a_later_version_is_loaded() {
+    let folder = Folder::new();
+    for name in ["tenon_value.h", "tenon_plugin.h"] {
+        let text = std::fs::read_to_string(root().join("plugin-sdk/include").join(name)).unwrap();
+        let mut out = String::new();
+        let mut grows = "";
+        for line in text.lines() {
+            if let Some(rest) = line.strip_prefix("typedef struct ") {
+                let names =
+                    ["curve", "mesh", "panels", "feature", "features", "port", "message", "node_type", "plugin"];
+                let name = rest.trim_end_matches(" {");
+                grows = if names.iter().any(|n| name == format!("tenon_{n}")) { "  uint64_t later[3];\n" } else { "" };
+            } else if line.starts_with("} tenon_") {
+                out += grows;
+            }
+            out += &line.replace("TENON_PLUGIN_MINOR 1", "TENON_PLUGIN_MINOR 9");
+            out += "\n";
+        }
+        folder.write(name, out);
+    }
+    std::fs::copy(root().join("plugin-sdk/examples/fastener-c/hinge.c"), folder.0.join("hinge.c")).unwrap();
+    // Its own headers come first: they stand beside it.
+    let newer = compile(&folder.0.join("hinge.c"), "newer", &["-w"]);
+    folder.write("g.tenon.json", fastener("hinges.butt_hinge", json!({})));
+    let run = |library: &str| {
+        folder.tenon(&["run", "g.tenon.json", "--plugin", library, "--get", "more.features"]).code(0).json()
+    };
+    assert_eq!(run(&newer), run(hinges()));
 }
 
 /// The names of the checks that a library fails.

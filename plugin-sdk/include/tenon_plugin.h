@@ -36,7 +36,7 @@
 #define TENON_PLUGIN_MAJOR 1
 
 // Minor version of this contract. A greater minor only adds fields at the ends of structs.
-#define TENON_PLUGIN_MINOR 0
+#define TENON_PLUGIN_MINOR 1
 
 // The port may stay without a value: its tree then has no branches.
 #define TENON_OPTIONAL 1
@@ -132,6 +132,9 @@ typedef struct tenon_call {
   tenon_status (*forward)(const struct tenon_call *call, uint32_t output, uint32_t input);
 } tenon_call;
 
+// Takes a text, which it copies before it returns; `to` is what the host gave with it.
+typedef void (*tenon_give)(void *to, tenon_str text);
+
 // A node type. Everything in it stays as it is while the library is loaded.
 typedef struct tenon_node_type {
   // Bytes of this struct as the plugin knows it.
@@ -175,6 +178,17 @@ typedef struct tenon_node_type {
                            const struct tenon_call *call,
                            const tenon_tree *inputs,
                            uint32_t input_count);
+  // Since 1.1: brings a node that was saved at version `from` to version `from + 1`. `node` is the node as it stands in
+  // the file, one JSON object (`type`, `v`, `params`, `inputs` …); `type` has to stay, `v` is set by the host. It gives
+  // the new object by `give(to, text)`, which copies it, and `TENON_OK`; or a sentence that says why that cannot be
+  // done, and `TENON_FAILED`. Called by any thread, before the node is evaluated; the same text must give the same
+  // text. May be NULL.
+  tenon_status (*migrate)(void *data, uint32_t from, tenon_str node, tenon_give give, void *to);
+  // Since 1.1: the oldest version that `migrate` takes. It is asked for every version from this to the one before
+  // `version`.
+  uint32_t migrate_from;
+  // 0.
+  uint32_t reserved;
 } tenon_node_type;
 
 // A plugin: what its library gives through `const tenon_plugin *tenon_plugin_v1(void)`, the one symbol that it exports.

@@ -270,7 +270,8 @@ typedef struct tenon_branch {
   struct tenon_column column;
 } tenon_branch;
 
-// What flows on a wire: branches sorted by path. A single item is one branch of one item.
+// What flows on a wire: branches sorted by path. A single item is one branch of one item. Trees lie side by side, so
+// that this struct alone never grows, though its branches may.
 typedef struct tenon_tree {
   // Bytes of this struct as its maker knows it.
   uint32_t size;

@@ -7,7 +7,7 @@ use crate::sound::BadValue;
 use crate::value::{Branch, Curve, Feature, Features, File, Items, Machining, Mesh, Panels};
 use bytemuck::Pod;
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::ffi::c_void;
 
 type Read<T> = Result<T, BadValue>;
@@ -28,17 +28,10 @@ enum Buffer {
 
 /// The buffers of one evaluation by address.
 #[derive(Debug, Default)]
-pub struct Buffers(HashMap<usize, Buffer>);
+pub struct Buffers(BTreeMap<usize, Buffer>);
 
 /// The largest buffer, bytes: beyond that a length is a mistake.
 const LARGEST: u64 = 1 << 40;
-
-fn zeroed<T: Pod>(count: usize) -> Option<Vec<T>> {
-    let mut v = Vec::new();
-    v.try_reserve_exact(count).ok()?;
-    v.resize(count, T::zeroed());
-    Some(v)
-}
 
 impl Buffers {
     /// A zeroed buffer; NULL without memory or for an unknown element. O(count).
@@ -50,7 +43,8 @@ impl Buffers {
         let count = usize::try_from(count.max(1)).ok().filter(|c| (*c as u64) < LARGEST)?;
         macro_rules! make {
             ($variant:ident, $type:ty) => {{
-                let mut v = zeroed::<$type>(count)?;
+                // Fresh pages of the system are zero: they are not touched here.
+                let mut v = bytemuck::try_zeroed_vec::<$type>(count).ok()?;
                 let at: *mut c_void = v.as_mut_ptr().cast();
                 (at, Buffer::$variant(v))
             }};

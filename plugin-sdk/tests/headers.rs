@@ -87,6 +87,29 @@ fn the_headers_are_strict_c11_and_cpp17() {
     }
 }
 
+/// Every field of version 1.0 lies where it lay, and structs only grew. This file is never written anew.
+#[test]
+fn later_versions_only_grow() {
+    let read = |name: &str| std::fs::read_to_string(root().join("tests").join(name)).unwrap();
+    let fields = |text: &str| {
+        let (mut all, mut name) = (std::collections::BTreeMap::new(), String::new());
+        for line in text.lines() {
+            let (what, number) = line.trim().split_once(' ').unwrap();
+            if !line.starts_with(' ') {
+                name = what.to_owned();
+            }
+            all.insert((name.clone(), line.starts_with(' ').then(|| what.to_owned())), number.parse::<u64>().unwrap());
+        }
+        all
+    };
+    let (first, today) = (fields(&read("layout-1.0-x86_64-linux.txt")), fields(&read("layout-x86_64-linux.txt")));
+    assert!(first.len() > 100);
+    for ((name, field), was) in first {
+        let is = today[&(name.clone(), field.clone())];
+        assert!(if field.is_some() { is == was } else { is >= was }, "{name} {field:?}: {was} became {is}");
+    }
+}
+
 /// Where every field of every struct of the contract lies. A change here breaks every plugin and host that was built.
 #[test]
 fn the_layout_is_what_was_frozen() {

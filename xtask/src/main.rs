@@ -15,6 +15,7 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 const USAGE: &str = "\
 cargo xtask bench chain [CASE]...   measure the chain; one JSON line per figure (docs/benchmarks.md)
 cargo xtask bench engine [NODES]... the engine beside its peers, at these sizes or at all
+cargo xtask bench abi [CASE]...     what it costs to cross to a plugin
 cargo xtask bench cancel [CASE]...  how long jobs go on after they were told to stop; FILE.obj is planarized
 cargo xtask bench editor            what the editor's window costs, without a screen
 cargo xtask docs [--check]          write docs/nodes.md and the codes of docs/diagnostics.md, or only compare
@@ -27,7 +28,9 @@ fn main() -> ExitCode {
     let result = match args.as_slice() {
         ["bench", "chain", cases @ ..] => bench::chain::run(cases),
         ["bench", "engine", sizes @ ..] => bench::engine::run(sizes),
+        ["bench", "abi", cases @ ..] => bench::abi::run(cases),
         ["bench", "cancel", cases @ ..] => bench::cancel::run(cases),
+        ["bench-plugin-host", library, memory] => bench::abi::serve(library, memory),
         ["bench-child", rest @ ..] => bench::growth::child(rest),
         ["picture"] => picture::write(),
         ["screenshots"] => editor(&["run", "-p", "tenon-editor", "--example", "screenshots"]),

@@ -8,7 +8,7 @@ mod wanted;
 pub use search::{Found, VARIABLE, folders, load_all, user_folder};
 use std::path::Path;
 use std::sync::Arc;
-use tenon_engine::{Registry, RegistryError};
+use tenon_engine::{Json, Registry, RegistryError};
 pub use tenon_plugin::load::{LoadError, Plugin};
 pub use tenon_plugin::{apart, check};
 pub use wanted::{HOST, POLICY, Wanted};
@@ -64,5 +64,16 @@ pub fn register(registry: &mut Registry, plugin: &Arc<Plugin>) -> Result<(), Plu
             return Err(refused(RegistryError::Duplicate(node.type_name().to_owned())));
         }
     }
-    made.into_iter().try_for_each(|node| registry.register(node)).map_err(refused)
+    made.into_iter().try_for_each(|node| registry.register(node)).map_err(refused)?;
+    for (index, node) in plugin.nodes.iter().enumerate() {
+        for from in node.migrate_from..node.version {
+            let plugin = plugin.clone();
+            let step = move |json: Json| {
+                let text = plugin.nodes[index].migrate(from, &json.to_string())?;
+                serde_json::from_str(&text).map_err(|e| format!("the plugin gives what is not JSON: {e}"))
+            };
+            registry.register_migration(&node.id, from, step).map_err(refused)?;
+        }
+    }
+    Ok(())
 }

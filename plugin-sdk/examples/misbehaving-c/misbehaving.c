@@ -116,6 +116,26 @@ EVALUATE(haunting) {
     if (pthread_create(&thread, NULL, haunt, (void *)(uintptr_t)call) == 0) pthread_detach(thread);
     return give(call, number(in));
 }
+/* newer-host */
+EVALUATE(shortsighted) {
+    const tenon_curve *curves = in[0].branches[0].column.items;
+    double points = 0;
+    UNUSED;
+    /* Not by the stride. */
+    for (uint64_t i = 0; i < in[0].branches[0].column.count; i++) points += (double)(curves[i].point_count % 1000);
+    return give(call, points);
+}
+/* brings-nodes-forward, old-nodes-that-are-none */
+static tenon_status forgetting(void *data, uint32_t from, tenon_str node, void (*tell)(void *, tenon_str), void *to) {
+    tenon_str nothing = TEXT(""), list = TEXT("[]");
+    (void)data, (void)from;
+    tell(to, node.len > 2 && node.ptr[0] == '{' ? list : nothing);
+    return node.len > 2 ? TENON_OK : TENON_FAILED;
+}
+EVALUATE(outdated) {
+    UNUSED;
+    return give(call, number(in));
+}
 /* No check: it waits for numbers that checks do not try, and is there for processes of their own to contain. */
 static void *tell_elsewhere(void *call) {
     tenon_message message = {sizeof message, TENON_NOTE, TEXT("elsewhere"), TEXT("Hello."), {NULL, 0}, {NULL, 0}, 0};
@@ -162,12 +182,14 @@ static const tenon_port careless[] = {INPUT("number", "11")};
 #endif
 static const tenon_port boundless[] = {
     {sizeof(tenon_port), 0, TENON_NUMBER, TENON_ITEM, TEXT("x"), TEXT("A number."), TEXT(""), TEXT("1"), 0, 0, NULL, 0}};
+static const tenon_port curves[] = {
+    {sizeof(tenon_port), 0, TENON_CURVE, TENON_LIST, TEXT("x"), TEXT("Curves."), TEXT(""), TEXT(""), 0, 0, NULL, 0}};
 static const tenon_port outputs[] = {
     {sizeof(tenon_port), 0, TENON_NUMBER, TENON_ITEM, TEXT("y"), TEXT("A number."), TEXT(""), TEXT(""), 0, 0, NULL, 0}};
 
 #define TYPE(function, words, ports)                                                                                     \
     {sizeof(tenon_node_type), TENON_PURE, TEXT("misbehaving." #function), 1, 1, ports, outputs, 1, sizeof(tenon_port),   \
-     TEXT(#function), TEXT("Misdeeds"), TEXT(words), TEXT("misdeed"), NULL, function}
+     TEXT(#function), TEXT("Misdeeds"), TEXT(words), TEXT("misdeed"), NULL, function, NULL, 0, 0}
 
 static const tenon_node_type nodes[] = {
     TYPE(forgetful, "Adds to what it had.", inputs),
@@ -183,6 +205,9 @@ static const tenon_node_type nodes[] = {
     TYPE(trusting, "Takes memory for granted.", inputs),
     TYPE(fragile, "Crashes.", boundless),
     TYPE(haunting, "Calls back when it is too late.", inputs),
+    TYPE(shortsighted, "Goes its own way from curve to curve.", curves),
+    {sizeof(tenon_node_type), TENON_PURE, TEXT("misbehaving.outdated"), 2, 1, inputs, outputs, 1, sizeof(tenon_port),
+     TEXT("outdated"), TEXT("Misdeeds"), TEXT("Loses its older self."), TEXT("misdeed"), NULL, outdated, forgetting, 1, 0},
     TYPE(doomed, "Dies by some numbers.", boundless),
 #ifndef LOADABLE /* A graph's host refuses the whole library for its default. */
     TYPE(hasty, "no sentence", careless),

@@ -8,7 +8,7 @@ pub const TENON_PLUGIN_MAGIC: u32 = 0x4E4E_4554;
 /// Major version of this contract. Another major does not fit.
 pub const TENON_PLUGIN_MAJOR: u32 = 1;
 /// Minor version of this contract. A greater minor only adds fields at the ends of structs.
-pub const TENON_PLUGIN_MINOR: u32 = 0;
+pub const TENON_PLUGIN_MINOR: u32 = 1;
 
 /// How a node sees what arrives at a port.
 pub type tenon_access = u32;
@@ -123,6 +123,9 @@ pub struct tenon_call {
     pub forward: unsafe extern "C" fn(call: *const tenon_call, output: u32, input: u32) -> tenon_status,
 }
 
+/// Takes a text, which it copies before it returns; `to` is what the host gave with it.
+pub type tenon_give = unsafe extern "C" fn(to: *mut c_void, text: tenon_str);
+
 /// The node does nothing but its function of the inputs; without it the plugin is refused. (Room for later.)
 pub const TENON_PURE: u32 = 1;
 /// It takes long enough to be worth a thread.
@@ -179,6 +182,25 @@ pub struct tenon_node_type {
             input_count: u32,
         ) -> tenon_status,
     >,
+    /// Since 1.1: brings a node that was saved at version `from` to version `from + 1`. `node` is the node as it stands in
+    /// the file, one JSON object (`type`, `v`, `params`, `inputs` …); `type` has to stay, `v` is set by the host. It gives
+    /// the new object by `give(to, text)`, which copies it, and `TENON_OK`; or a sentence that says why that cannot be
+    /// done, and `TENON_FAILED`. Called by any thread, before the node is evaluated; the same text must give the same
+    /// text. May be NULL.
+    pub migrate: Option<
+        unsafe extern "C" fn(
+            data: *mut c_void,
+            from: u32,
+            node: tenon_str,
+            give: tenon_give,
+            to: *mut c_void,
+        ) -> tenon_status,
+    >,
+    /// Since 1.1: the oldest version that `migrate` takes. It is asked for every version from this to the one before
+    /// `version`.
+    pub migrate_from: u32,
+    /// 0.
+    pub reserved: u32,
 }
 
 /// A plugin: what its library gives through `const tenon_plugin *tenon_plugin_v1(void)`, the one symbol that it exports.

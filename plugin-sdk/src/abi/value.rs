@@ -369,7 +369,8 @@ pub struct tenon_branch {
     pub column: tenon_column,
 }
 
-/// What flows on a wire: branches sorted by path. A single item is one branch of one item.
+/// What flows on a wire: branches sorted by path. A single item is one branch of one item. Trees lie side by side, so
+/// that this struct alone never grows, though its branches may.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct tenon_tree {

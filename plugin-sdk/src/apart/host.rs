@@ -1,7 +1,7 @@
 //! The host's side: processes that are started, asked, watched, and buried.
 
 use super::memory::Memory;
-use super::serve::{CANCELLED, ENDED, FAILED, FORWARDED, SET, TOLD, WELL, send};
+use super::serve::{CANCELLED, ENDED, EVALUATE, FAILED, FORWARDED, MIGRATE, SET, TOLD, WELL, send};
 use super::wire::{Garbled, Put, Take, Wire};
 use super::{Limits, Program};
 use crate::load::{EvaluateError, LoadError, LoadFault, Message, Plugin, PluginInfo, Sink, Watch};
@@ -38,6 +38,9 @@ struct Process {
     socket: UnixStream,
     shared: Memory,
 }
+
+/// Nobody waits or hears of progress.
+const ALONE: Watch<'static> = Watch { cancelled: &|| false, progress: &|_| (), refuse_buffer: None, room: None };
 
 /// What the host does not get an answer for.
 enum Silence {
@@ -85,8 +88,7 @@ impl Processes {
         let mut process = Process { id, socket, shared };
         process.socket.set_read_timeout(Some(GLANCE)).map_err(failed)?;
         process.socket.set_write_timeout(Some(self.limits.time)).map_err(failed)?;
-        let never = Watch { cancelled: &|| false, progress: &|_| (), refuse_buffer: None, room: None };
-        match process.listen(never, &self.limits) {
+        match process.listen(ALONE, &self.limits) {
             Ok(told) => Ok((process, told)),
             Err(Silence::Died(why)) => Err(why),
             Err(Silence::Cancelled) => Err("it was cancelled".into()),
@@ -138,6 +140,33 @@ impl Processes {
     }
 }
 
+impl Processes {
+    /// Brings a node forward.
+    pub(crate) fn migrate(&self, index: u32, from: u32, node: &str) -> Result<String, String> {
+        let mut process = self.wake()?;
+        let mut put = Put::new(&process.shared);
+        put.bytes.push(MIGRATE);
+        index.put(&mut put);
+        from.put(&mut put);
+        node.to_owned().put(&mut put);
+        let asked = put.bytes;
+        let _ = send(&mut process.socket, &asked);
+        let reply = match process.listen(ALONE, &self.limits) {
+            Ok(reply) => reply,
+            Err(Silence::Died(why)) => return Err(format!("the plugin died: {why}")),
+            Err(Silence::Cancelled) => return Err("it was cancelled".into()),
+        };
+        let mut take = Take::copied(&reply, &process.shared);
+        let done = bool::take(&mut take).and_then(|well| Ok((well, String::take(&mut take)?)));
+        self.rest(process);
+        match done {
+            Ok((true, text)) => Ok(text),
+            Ok((false, why)) => Err(why),
+            Err(garbled) => Err(garbled.to_string()),
+        }
+    }
+}
+
 impl Process {
     /// Sends a request.
     fn ask(&mut self, index: u32, inputs: &[Vec<Branch<'_>>]) -> Result<(), Silence> {
@@ -152,6 +181,7 @@ impl Process {
             return Err(Silence::Died("there is no room for its inputs in shared memory".into()));
         }
         let mut put = Put::new(&self.shared);
+        put.bytes.push(EVALUATE);
         index.put(&mut put);
         self.shared.top().put(&mut put);
         put.bytes.append(&mut values.bytes);

@@ -99,4 +99,8 @@ impl Processes {
     ) -> Result<(), crate::load::EvaluateError> {
         match *self {}
     }
+
+    pub(crate) fn migrate(&self, _: u32, _: u32, _: &str) -> Result<String, String> {
+        match *self {}
+    }
 }

@@ -12,6 +12,10 @@ use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
+/// Marks of what a process is asked.
+pub(super) const EVALUATE: u8 = 0;
+pub(super) const MIGRATE: u8 = 1;
+
 /// Marks of what a process says while it evaluates.
 pub(super) const TOLD: u8 = 1;
 pub(super) const SET: u8 = 2;
@@ -86,11 +90,12 @@ fn answer(plugin: &Plugin, shared: &Memory, mut socket: UnixStream, memory: u64)
     let mut asked = Vec::new();
     loop {
         receive(&mut socket, &mut asked)?;
-        let reply = match evaluate(plugin, shared, &asked, memory) {
-            Ok(reply) => reply,
-            Err(why) => return Err(io::Error::other(why)),
+        let reply = match asked.split_first() {
+            Some((&EVALUATE, asked)) => evaluate(plugin, shared, asked, memory),
+            Some((&MIGRATE, asked)) => migrate(plugin, shared, asked),
+            _ => Err(Garbled::Short),
         };
-        send(&mut socket, &reply)?;
+        send(&mut socket, &reply.map_err(io::Error::other)?)?;
     }
 }
 
@@ -131,6 +136,17 @@ fn evaluate(plugin: &Plugin, shared: &Memory, asked: &[u8], memory: u64) -> Resu
     };
     put.bytes.push(mark);
     why.put(&mut put);
+    Ok(put.bytes)
+}
+
+fn migrate(plugin: &Plugin, shared: &Memory, asked: &[u8]) -> Result<Vec<u8>, Garbled> {
+    let mut take = Take::in_place(asked, shared);
+    let (index, from) = (u32::take(&mut take)?, u32::take(&mut take)?);
+    let node = plugin.nodes.get(index as usize).ok_or(Garbled::Short)?;
+    let done = node.migrate(from, &String::take(&mut take)?);
+    let mut put = Put::new(shared);
+    done.is_ok().put(&mut put);
+    done.unwrap_or_else(|why| why).put(&mut put);
     Ok(put.bytes)
 }
 

@@ -223,7 +223,7 @@ structs! {
     File<'a> { name, bytes, withheld };
     Message { severity, code, message, hint, port, item };
     PluginInfo { id, version, vendor, doc, nodes };
-    NodeInfo { id, version, name, category, doc, keywords, inputs, outputs, slow, fastener };
+    NodeInfo { id, version, name, category, doc, keywords, inputs, outputs, slow, fastener, migrate_from };
     PortInfo { name, doc, kind, access, unit, default_json, range, choices, optional };
 }
 

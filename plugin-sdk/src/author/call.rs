@@ -1,9 +1,9 @@
 //! One run of a node made here: its inputs by name, places for its outputs, its failure.
 
-use super::describe::Run;
+use super::describe::{Migrate, Run};
 use crate::abi::plugin::*;
 use crate::abi::value::*;
-use crate::from_c::{Buffers, Reader};
+use crate::from_c::{Buffers, Reader, text};
 use crate::to_c::CTree;
 use crate::value::{Branch, Curve, Features, Items, Mesh, Panels};
 use std::any::Any;
@@ -61,6 +61,7 @@ impl Fail {
 /// What `data` leads to.
 pub(super) struct Running {
     pub run: Run,
+    pub migrate: Option<Migrate>,
     pub inputs: Vec<&'static str>,
     pub outputs: Vec<&'static str>,
 }
@@ -102,6 +103,30 @@ pub(super) unsafe extern "C" fn evaluate(
     };
     tell(call, TENON_ERROR, &fail);
     TENON_FAILED
+}
+
+/// The step of every node made here that has one.
+pub(super) unsafe extern "C" fn migrate(
+    data: *mut c_void,
+    from: u32,
+    node: tenon_str,
+    give: tenon_give,
+    to: *mut c_void,
+) -> tenon_status {
+    // SAFETY: the descriptor says `data` and this function together, and it is never freed.
+    let step = unsafe { data.cast::<Running>().as_ref() }.and_then(|running| running.migrate);
+    let Some(step) = step else { return TENON_UNSUPPORTED };
+    // SAFETY: the host's text lives through the call.
+    let Ok(node) = (unsafe { text(node, "node") }) else { return TENON_BAD_ARGUMENT };
+    let done = catch_unwind(|| step(from, node));
+    let done = done.unwrap_or_else(|panic| Err(format!("the plugin has a fault: {}", words(&*panic))));
+    let (status, told) = match done {
+        Ok(text) => (TENON_OK, text),
+        Err(why) => (TENON_FAILED, why),
+    };
+    // SAFETY: the host's function with the host's place; it copies the text.
+    unsafe { give(to, tenon_str::of(&told)) };
+    status
 }
 
 fn words(panic: &(dyn Any + Send)) -> &str {

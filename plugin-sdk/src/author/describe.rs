@@ -1,6 +1,6 @@
 //! Descriptions in safe Rust: ports, node types and the plugin, and the C descriptors that are made of them.
 
-use super::call::{Call, Fail, Running, evaluate};
+use super::call::{Call, Fail, Running, evaluate, migrate};
 use crate::abi::plugin::*;
 use crate::abi::value::*;
 use std::ffi::c_void;
@@ -125,6 +125,9 @@ impl Port {
     }
 }
 
+/// A step: the version that a node was saved at, and the node as JSON; gives the node of the next version, or says why not.
+pub(super) type Migrate = fn(u32, &str) -> Result<String, String>;
+
 pub(super) type Run = fn(&mut Call<'_>) -> Result<(), Fail>;
 
 /// A node type.
@@ -140,6 +143,7 @@ pub struct Node {
     inputs: Vec<Port>,
     outputs: Vec<Port>,
     run: Option<Run>,
+    migrate: Option<(u32, Migrate)>,
 }
 
 impl Node {
@@ -159,6 +163,7 @@ impl Node {
             inputs,
             outputs,
             run: None,
+            migrate: None,
         }
     }
 
@@ -204,10 +209,25 @@ impl Node {
         self
     }
 
+    /// Brings nodes that were saved at `from` or later, one version at a time, to today's. A step gets the version that it
+    /// starts from and the node as it stands in the file (JSON: `type`, `v`, `params`, `inputs` …), and gives it as the
+    /// next version wants it, or says why that cannot be done. `type` has to stay, `v` is set by the host.
+    #[must_use]
+    pub fn migrate(mut self, from: u32, step: fn(u32, &str) -> Result<String, String>) -> Self {
+        self.migrate = Some((from, step));
+        self
+    }
+
     fn leak(self) -> tenon_node_type {
         let (inputs, outputs) = self.port_names();
         let data = self.run.map_or(std::ptr::null_mut(), |run| {
-            std::ptr::from_mut(Box::leak(Box::new(Running { run, inputs, outputs }))).cast::<c_void>()
+            std::ptr::from_mut(Box::leak(Box::new(Running {
+                run,
+                migrate: self.migrate.map(|m| m.1),
+                inputs,
+                outputs,
+            })))
+            .cast::<c_void>()
         });
         let inputs: Vec<tenon_port> = self.inputs.into_iter().map(Port::leak).collect();
         let outputs: Vec<tenon_port> = self.outputs.into_iter().map(Port::leak).collect();
@@ -228,6 +248,9 @@ impl Node {
             keywords: tenon_str::of(self.keywords),
             data,
             evaluate: self.run.map(|_| evaluate as _),
+            migrate: self.migrate.map(|_| migrate as _),
+            migrate_from: self.migrate.map_or(0, |m| m.0),
+            reserved: 0,
         }
     }
 

@@ -4,6 +4,7 @@
 mod descriptors;
 mod runs;
 mod samples;
+mod wide;
 
 use crate::load::{LoadError, Plugin};
 use std::path::Path;

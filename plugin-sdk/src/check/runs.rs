@@ -2,9 +2,10 @@
 
 use super::Check;
 use super::samples::{Day, Inputs, inputs};
+use super::wide::Wide;
 use crate::abi::plugin::{TENON_ITEM, TENON_TREE};
 use crate::abi::value::*;
-use crate::load::{EvaluateError, Message, Plugin, PluginNode, Sink, Watch, late_calls};
+use crate::load::{EvaluateError, Message, Plugin, PluginNode, Sink, Views, Watch, late_calls};
 use crate::value::{Branch, Items};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -124,6 +125,8 @@ struct Wish {
     /// Polls of `cancelled` that are answered with no before it is yes.
     cancel_after: Option<u64>,
     refuse_buffer: Option<u64>,
+    /// Inputs are laid out as by a newer host.
+    wide: bool,
 }
 
 fn run_with(node: &PluginNode, inputs: &Inputs, wish: Wish) -> Ran {
@@ -144,8 +147,12 @@ fn run_with(node: &PluginNode, inputs: &Inputs, wish: Wish) -> Ran {
         }
     };
     let watch = Watch { cancelled: &cancelled, progress: &hear, refuse_buffer: wish.refuse_buffer, room: None };
+    let (mut views, mut copies) = (Views::new(inputs), Wide::default());
+    if wish.wide {
+        copies.widen(&mut views);
+    }
     let start = Instant::now();
-    let end = node.evaluate(inputs, watch, &mut sink);
+    let end = node.evaluate_views(&views, watch, &mut sink);
     let time = start.elapsed();
     let (outputs, infinite, faults, messages) = (sink.outputs, sink.infinite, sink.faults, sink.messages);
     Ran { end, outputs, infinite, faults, messages, progress: progress.into_inner().unwrap_or_default(), time }
@@ -193,6 +200,40 @@ fn on_any_day(plugin: &Plugin, wrong: impl Fn(&Ran) -> Option<String>) -> Vec<St
 fn differs(a: &Ran, b: &Ran) -> Option<String> {
     let same = a.outputs == b.outputs && a.end == b.end && a.messages == b.messages;
     (!same).then(|| "the same inputs gave other outputs or messages".into())
+}
+
+/// What is wrong with what came of an old node.
+fn bad_node(node: &PluginNode, came: &Result<String, String>) -> Option<String> {
+    match came {
+        Ok(text) => match serde_json::from_str::<serde_json::Value>(text) {
+            Ok(json) if json["type"] == node.id.as_str() => None,
+            Ok(json) => Some(format!("what comes is no node of its type: {json}")),
+            Err(why) => Some(format!("what comes is no JSON: {why}")),
+        },
+        Err(why) if why.trim().is_empty() => Some("it fails without a word".into()),
+        Err(_) => None,
+    }
+}
+
+fn old_nodes(node: &PluginNode) -> Option<String> {
+    (node.migrate_from..node.version).find_map(|from| {
+        let text = serde_json::json!({ "type": node.id, "v": from }).to_string();
+        let came = node.migrate(from, &text);
+        let again = if node.migrate(from, &text) == came { None } else { Some("it gives another text".to_owned()) };
+        bad_node(node, &came).or(again).map(|why| format!("from version {from}: {why}"))
+    })
+}
+
+fn strange_nodes(node: &PluginNode) -> Option<String> {
+    let long = format!("{{\"type\":\"{}\",\"note\":\"{}\"}}", node.id, "x".repeat(1 << 20));
+    let texts = ["", "{", "[]", "null", "{\"params\":7}", "{\"type\":\"\u{1f332}\"}", &long];
+    (node.migrate_from..node.version).find_map(|from| {
+        texts.iter().find_map(|text| match node.migrate(from, text) {
+            // Garbage may come of garbage: the host sees that it is no node.
+            Ok(_) => None,
+            Err(why) => why.trim().is_empty().then(|| format!("from version {from}: it fails without a word")),
+        })
+    })
 }
 
 fn across_threads(node: &PluginNode) -> Option<String> {
@@ -320,6 +361,28 @@ pub(super) fn checks() -> Vec<Check> {
                     (before != after).then(|| "an input was written to".into())
                 })
             },
+        },
+        Check {
+            name: "newer-host",
+            about: "A newer host's structs have grown at their ends: a plugin goes from one to the next by the stride given.",
+            run: |p| {
+                each(p, |n| {
+                    let wide = Wish { wide: true, ..Wish::default() };
+                    [Day::Good, Day::Other]
+                        .into_iter()
+                        .find_map(|day| differs(&run(n, day), &run_with(n, &inputs(n, day), wide)))
+                })
+            },
+        },
+        Check {
+            name: "brings-nodes-forward",
+            about: "Nodes of every older version that a node type takes become nodes of the next, or it says why not.",
+            run: |p| each(p, old_nodes),
+        },
+        Check {
+            name: "old-nodes-that-are-none",
+            about: "Text that is no node of an older version does no harm: it is refused, or becomes a node.",
+            run: |p| each(p, strange_nodes),
         },
         Check {
             name: "explains-failures",

@@ -26,6 +26,24 @@ impl Descriptors {
         unsafe { text(t, what) }.map(str::to_owned).map_err(|e| self.fault(e))
     }
 
+    /// A struct as far as its maker knows it, the rest zero. `size` is what it says of itself, `least` its size in version
+    /// 1.0.
+    ///
+    /// # Safety
+    /// There are as many bytes as `size` says, and zeros are good for what a maker does not know.
+    unsafe fn grown<T: Copy>(&self, at: *const T, size: u32, least: usize, what: &str) -> Result<T, LoadFault> {
+        if (size as usize) < least {
+            return Err(self.fault(format!("the size of {what} is {size}; set it to sizeof({what})")));
+        }
+        let mut all = std::mem::MaybeUninit::<T>::zeroed();
+        // SAFETY: as the caller vouches; no more is written than there is room.
+        unsafe {
+            let bytes = (size as usize).min(size_of::<T>());
+            at.cast::<u8>().copy_to_nonoverlapping(all.as_mut_ptr().cast(), bytes);
+            Ok(all.assume_init())
+        }
+    }
+
     /// # Safety
     /// The port is as the contract says.
     unsafe fn port(&mut self, p: &tenon_port, node: &str, output: bool) -> Result<PortInfo, LoadFault> {
@@ -93,6 +111,7 @@ impl Descriptors {
                 self.fault(format!("its id must be \"{plugin}.\" and a name of lower case letters, digits and _"))
             );
         }
+        let migrate_from = if n.migrate.is_some() { n.migrate_from.clamp(1, n.version.max(1)) } else { n.version };
         let Some(evaluate) = n.evaluate else { return Err(self.fault("evaluate is NULL")) };
         if n.version == 0 {
             return Err(self.fault("its version is 0; versions begin with 1"));
@@ -111,12 +130,15 @@ impl Descriptors {
             if count > 256 || (count > 0 && (ports.is_null() || !ports.is_aligned())) {
                 return Err(self.fault(format!("{count} ports at {ports:p}")));
             }
-            if count > 0 && (n.port_stride as usize) < size_of::<tenon_port>() {
+            if count > 0 && !stride(n.port_stride, PORT) {
                 return Err(self.fault(format!("port_stride is {}; set it to sizeof(tenon_port)", n.port_stride)));
             }
             for i in 0..count as usize {
-                // SAFETY: not NULL, and as the caller vouches.
-                let port = unsafe { *ports.byte_add(i * n.port_stride as usize) };
+                // SAFETY: not NULL, aligned, and as the caller vouches; the size comes first.
+                let port = unsafe {
+                    let at = ports.byte_add(i * n.port_stride as usize);
+                    self.grown(at, (*at).size.min(n.port_stride), PORT, "tenon_port")?
+                };
                 // SAFETY: as the caller vouches.
                 list.push(unsafe { self.port(&port, &id, output)? });
             }
@@ -146,9 +168,20 @@ impl Descriptors {
             outputs,
             slow: n.flags & TENON_SLOW != 0,
             fastener,
+            migrate_from,
         };
-        Ok(PluginNode { info, body: Body::Here { evaluate, data: n.data } })
+        Ok(PluginNode { info, body: Body::Here { evaluate, migrate: n.migrate, data: n.data } })
     }
+}
+
+/// Sizes of the structs in version 1.0: what every plugin knows.
+const PLUGIN: usize = 96;
+const NODE: usize = std::mem::offset_of!(tenon_node_type, migrate);
+const PORT: usize = 112;
+
+/// Whether structs can lie so many bytes apart.
+fn stride(stride: u32, least: usize) -> bool {
+    stride as usize >= least && (stride as usize).is_multiple_of(align_of::<u64>())
 }
 
 fn is_name(name: &str) -> bool {
@@ -172,12 +205,9 @@ impl Plugin {
         if major != TENON_PLUGIN_MAJOR {
             return Err(LoadFault::Version { found: major });
         }
-        if (size as usize) < size_of::<tenon_plugin>() {
-            return Err(LoadFault::NotAPlugin(format!("its size is {size}; set it to sizeof(tenon_plugin)")));
-        }
-        // SAFETY: it is as large as this version of the struct.
-        let p = unsafe { *plugin };
         let mut descriptors = Descriptors { place: "the plugin".into() };
+        // SAFETY: it is as large as it says.
+        let p = unsafe { descriptors.grown(plugin, size, PLUGIN, "tenon_plugin")? };
         // SAFETY: as the caller vouches.
         let (id, version, vendor, doc) = unsafe {
             (
@@ -193,14 +223,17 @@ impl Plugin {
         if p.node_count == 0 || p.node_count > 10_000 || p.nodes.is_null() || !p.nodes.is_aligned() {
             return Err(descriptors.fault(format!("{} node types at {:p}", p.node_count, p.nodes)));
         }
-        if (p.node_stride as usize) < size_of::<tenon_node_type>() {
+        if !stride(p.node_stride, NODE) {
             let why = format!("node_stride is {}; set it to sizeof(tenon_node_type)", p.node_stride);
             return Err(descriptors.fault(why));
         }
         let mut nodes: Vec<PluginNode> = Vec::new();
         for i in 0..p.node_count as usize {
-            // SAFETY: not NULL, and as the caller vouches.
-            let node = unsafe { *p.nodes.byte_add(i * p.node_stride as usize) };
+            // SAFETY: not NULL, aligned, and as the caller vouches; the size comes first.
+            let node = unsafe {
+                let at = p.nodes.byte_add(i * p.node_stride as usize);
+                descriptors.grown(at, (*at).size.min(p.node_stride), NODE, "tenon_node_type")?
+            };
             // SAFETY: as the caller vouches.
             let node = unsafe { descriptors.node(&node, &id)? };
             if nodes.iter().any(|n| n.id == node.id) {

@@ -3,8 +3,9 @@
 
 mod call;
 mod descriptor;
+mod migrate;
 
-pub use call::{EvaluateError, Message, Sink, Watch, late_calls};
+pub use call::{EvaluateError, Message, Sink, Views, Watch, late_calls};
 
 use crate::abi::plugin::*;
 use crate::abi::value::*;
@@ -104,6 +105,8 @@ pub struct NodeInfo {
     pub slow: bool,
     /// The host makes the node around it.
     pub fastener: bool,
+    /// The oldest version of which nodes can be brought forward; its own version if none can.
+    pub migrate_from: u32,
 }
 
 /// A node type of a plugin: its description, and where it is evaluated.
@@ -124,12 +127,14 @@ impl Deref for PluginNode {
 #[derive(Debug)]
 enum Body {
     /// In this process.
-    Here { evaluate: Evaluate, data: *mut c_void },
+    Here { evaluate: Evaluate, migrate: Option<Migrate>, data: *mut c_void },
     /// In a process of its own, as the node of that index.
     Apart(Arc<Processes>, u32),
 }
 
 type Evaluate = unsafe extern "C" fn(*mut c_void, *const tenon_call, *const tenon_tree, u32) -> tenon_status;
+
+type Migrate = unsafe extern "C" fn(*mut c_void, u32, tenon_str, tenon_give, *mut c_void) -> tenon_status;
 
 // SAFETY: the contract asks that `data` may be used by many threads at once.
 unsafe impl Send for Body {}

@@ -1,5 +1,6 @@
 //! Benchmarks: one file per suite, and what is common to them.
 
+pub mod abi;
 pub mod cancel;
 pub mod chain;
 pub mod engine;
