@@ -55,7 +55,7 @@ pub fn run(start: Start) -> eframe::Result {
         if let Some(graph) = &start.graph {
             app.open(graph);
         }
-        app.remember_in(model::keep::state_folder());
+        app.remember_in(&cc.egui_ctx, model::keep::state_folder());
         Ok(Box::new(app))
     };
     eframe::run_native("Tenon", options, Box::new(app))

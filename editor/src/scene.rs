@@ -1,6 +1,7 @@
 //! From values to what a graphics card draws: triangles, lines and points, with the part (panel, face) that each belongs
 //! to. No window is needed here; it runs beside the evaluation.
 
+use std::collections::HashMap;
 use tenon_engine::{Column, Tree};
 use tenon_geometry::DVec3;
 use tenon_geometry::ifs::Curve;
@@ -12,7 +13,7 @@ use tenon_nodes::value::{Point, V};
 pub const VISIBLE: [&str; 4] = ["panels", "mesh", "curve", "point"];
 
 /// Item types that are not shown where another node goes on with them: what follows is made of them.
-pub const YIELDS: [&str; 2] = ["mesh", "tool_paths"];
+pub const YIELDS: [&str; 1] = ["mesh"];
 
 /// A corner of a triangle.
 #[repr(C)]
@@ -49,6 +50,8 @@ pub enum Kind {
     Curve,
     /// Points.
     Points,
+    /// Moves of tools, with colours of their own.
+    Paths,
 }
 
 /// A panel, a face, a curve or a point that can be picked.
@@ -62,6 +65,19 @@ pub struct Part {
     pub area: f64,
     /// Largest angle between a panel and a neighbour, degrees.
     pub fold: f64,
+    /// How far corners lie off the plane through them, mm.
+    pub planarity: f64,
+    /// How far the sums of opposite angles around its corners differ, degrees: 0 where a conical mesh is. Corners where other
+    /// than four faces meet do not count.
+    pub conicity: f64,
+}
+
+impl Part {
+    /// A part without figures.
+    #[must_use]
+    pub fn new(label: String, centre: DVec3) -> Self {
+        Self { label, centre, area: 0.0, fold: 0.0, planarity: 0.0, conicity: 0.0 }
+    }
 }
 
 /// All that one output shows.
@@ -119,7 +135,7 @@ impl Drawing {
     }
 
     fn part(&mut self, label: String, centre: DVec3) -> u32 {
-        self.parts.push(Part { label, centre, area: 0.0, fold: 0.0 });
+        self.parts.push(Part::new(label, centre));
         self.parts.len() as u32 - 1
     }
 
@@ -145,8 +161,22 @@ impl Drawing {
         self.lines.push(Line { from, to, part });
     }
 
+    /// Gives the last parts their conicity, one per face.
+    fn conical(&mut self, faces: &[&[DVec3]]) {
+        let first = self.parts.len() - faces.len().min(self.parts.len());
+        for (part, conicity) in self.parts[first..].iter_mut().zip(conicity(faces)) {
+            part.conicity = conicity;
+        }
+    }
+
     fn panels(&mut self, panels: &PanelSet) {
         self.kind = Kind::Panels;
+        self.panel_parts(panels);
+        let fronts: Vec<&[DVec3]> = (0..panels.len()).map(|i| &panels.front[panels.corners(i)]).collect();
+        self.conical(&fronts);
+    }
+
+    fn panel_parts(&mut self, panels: &PanelSet) {
         for i in 0..panels.len() {
             let solid = panels.solid(i);
             let front = &panels.front[panels.corners(i)];
@@ -156,6 +186,7 @@ impl Drawing {
             if let Some(last) = self.parts.last_mut() {
                 last.area = if solid.face_count() > 0 { solid.face_area(0) } else { 0.0 };
                 last.fold = fold(panels, i);
+                last.planarity = off_plane(front);
             }
             for f in 0..solid.face_count() {
                 let corners: Vec<DVec3> = solid.face(f).iter().map(|v| solid.points[*v as usize]).collect();
@@ -174,12 +205,19 @@ impl Drawing {
 
     fn mesh(&mut self, mesh: &Mesh) {
         self.kind = Kind::Mesh;
+        self.mesh_parts(mesh);
+        let faces: Vec<Vec<DVec3>> = (0..mesh.face_count()).map(|f| mesh.face_points(f).collect()).collect();
+        self.conical(&faces.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    }
+
+    fn mesh_parts(&mut self, mesh: &Mesh) {
         for f in 0..mesh.face_count() {
             let corners: Vec<DVec3> = mesh.face_points(f).collect();
             let label = mesh.addresses.get(f).map_or_else(|| f.to_string(), ToString::to_string);
             let part = self.part(label, mesh.face_centre(f));
             if let Some(last) = self.parts.last_mut() {
                 last.area = mesh.face_area_vector(f).length();
+                last.planarity = off_plane(&corners);
             }
             self.face(&corners, mesh.face_normal(f).unwrap_or(DVec3::Z), part);
             for (k, a) in corners.iter().enumerate() {
@@ -203,14 +241,15 @@ impl Drawing {
         }
     }
 
-    /// The part that a ray meets first, and how far away, in lengths of `direction`. O(triangles).
+    /// The part that a ray meets first where `seen` holds, and how far away, in lengths of `direction`. O(triangles).
     #[must_use]
-    pub fn pick(&self, origin: DVec3, direction: DVec3) -> Option<(u32, f64)> {
+    pub fn pick(&self, origin: DVec3, direction: DVec3, seen: impl Fn(DVec3) -> bool) -> Option<(u32, f64)> {
         let mut best: Option<(u32, f64)> = None;
         for t in self.triangles.chunks_exact(3) {
             let [a, b, c] = [t[0], t[1], t[2]].map(|v| DVec3::from(v.position.map(f64::from)));
             if let Some(at) = meet(origin, direction, a, b, c)
                 && best.is_none_or(|(_, best)| at < best)
+                && seen(origin + direction * at)
             {
                 best = Some((t[0].part, at));
             }
@@ -225,6 +264,48 @@ fn fold(panels: &PanelSet, i: usize) -> f64 {
     let neighbours = panels.neighbour[panels.corners(i)].iter().flatten();
     let angles = neighbours.filter_map(|n| Some(panels.normal.get(n.panel as usize)?.angle_between(normal)));
     angles.fold(0.0, f64::max).to_degrees()
+}
+
+/// The largest distance of corners from the plane through their middle, square to their area, mm.
+fn off_plane(corners: &[DVec3]) -> f64 {
+    let centre = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
+    let next = corners.iter().cycle().skip(1);
+    let area: DVec3 = corners.iter().zip(next).map(|(a, b)| (*a - centre).cross(*b - centre)).sum();
+    let normal = area.normalize_or_zero();
+    corners.iter().map(|c| (*c - centre).dot(normal).abs()).fold(0.0, f64::max)
+}
+
+/// A vertex by its rounded place. Around it: face, angle there, and the vertices before and after.
+type Place = [i64; 3];
+
+/// Of every face the largest difference of opposite angle sums around its corners, degrees (Liu et al. 2006: a vertex of four
+/// faces is conical where they are equal). Corners that lie within a thousandth of a millimetre are one. O(corners).
+fn conicity(faces: &[&[DVec3]]) -> Vec<f64> {
+    let key = |p: DVec3| (p * 1e3).round().to_array().map(|c| c as i64);
+    let mut around: HashMap<Place, Vec<(usize, f64, [Place; 2])>> = HashMap::new();
+    for (f, face) in faces.iter().enumerate() {
+        let n = face.len();
+        for i in 0..n {
+            let (before, here, after) = (face[(i + n - 1) % n], face[i], face[(i + 1) % n]);
+            let angle = (before - here).angle_between(after - here).to_degrees();
+            around.entry(key(here)).or_default().push((f, angle, [key(before), key(after)]));
+        }
+    }
+    let mut worst = vec![0.0; faces.len()];
+    for corners in around.values() {
+        let [first, others @ ..] = &corners[..] else { continue };
+        if others.len() != 3 {
+            continue;
+        }
+        let touches = |o: &&(usize, f64, [Place; 2])| o.2.iter().any(|k| first.2.contains(k));
+        let Some(opposite) = others.iter().find(|o| !touches(o)) else { continue };
+        let sides: f64 = others.iter().filter(touches).map(|o| o.1).sum();
+        let off = (first.1 + opposite.1 - sides).abs();
+        if others.iter().filter(touches).count() == 2 {
+            corners.iter().for_each(|c| worst[c.0] = f64::max(worst[c.0], off));
+        }
+    }
+    worst
 }
 
 /// Where a ray meets a triangle from either side (Möller, Trumbore 1997).
@@ -255,9 +336,33 @@ mod tests {
         let d = draw(&Tree::item(V::new(mesh))).unwrap();
         assert_eq!((d.triangles.len(), d.lines.len(), d.parts.len()), (12, 8, 2));
         assert_eq!(d.bounds, [DVec3::ZERO, DVec3::new(4.0, 1.0, 0.0)]);
-        assert_eq!(d.pick(DVec3::new(3.0, 0.5, 5.0), -DVec3::Z), Some((1, 5.0)));
-        assert_eq!(d.pick(DVec3::new(3.0, 1.5, 5.0), -DVec3::Z), None);
+        assert_eq!(d.pick(DVec3::new(3.0, 0.5, 5.0), -DVec3::Z, |_| true), Some((1, 5.0)));
+        assert_eq!(d.pick(DVec3::new(3.0, 1.5, 5.0), -DVec3::Z, |_| true), None);
         assert_eq!(d.triangles[0].normal, [0, 0, 127, 0]);
+    }
+
+    #[test]
+    fn figures_of_faces_are_those_of_their_corners() {
+        let flat = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        assert_eq!(off_plane(&flat), 0.0);
+        let mut bent = flat;
+        bent[2].z = 0.4;
+        assert!((off_plane(&bent) - 0.1).abs() < 0.02);
+        // Four squares around a vertex are conical; moved within their plane the vertex is not.
+        let grid = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+        let four = |c: DVec3| {
+            let [a, b, d, e] = [grid(0.0, -1.0), grid(1.0, 0.0), grid(0.0, 1.0), grid(-1.0, 0.0)];
+            let quad = |p, q, r| vec![c, p, q, r];
+            [
+                quad(a, grid(1.0, -1.0), b),
+                quad(b, grid(1.0, 1.0), d),
+                quad(d, grid(-1.0, 1.0), e),
+                quad(e, grid(-1.0, -1.0), a),
+            ]
+        };
+        let of = |faces: &[Vec<DVec3>]| conicity(&faces.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        assert!(of(&four(DVec3::ZERO)).iter().all(|c| *c < 1e-9));
+        assert!(of(&four(grid(0.3, 0.3))).iter().all(|c| *c > 10.0));
     }
 
     #[test]

@@ -71,11 +71,16 @@ impl Window {
     }
 
     pub fn sized(graph: Option<&Path>, size: Vec2) -> Self {
-        let builder = Harness::builder().with_size(size).with_max_steps(64).with_step_dt(1.0 / 60.0).wgpu();
-        let harness = builder.build_eframe(|cc| App::new(cc, graph).unwrap());
-        let mut window = Self { harness };
+        let mut window = Self::unsettled(graph, size);
         window.settle();
         window
+    }
+
+    /// The window at once, whatever is still being evaluated.
+    pub fn unsettled(graph: Option<&Path>, size: Vec2) -> Self {
+        let builder = Harness::builder().with_size(size).with_max_steps(64).with_step_dt(1.0 / 60.0).wgpu();
+        let harness = builder.build_eframe(|cc| App::new(cc, graph).unwrap());
+        Self { harness }
     }
 
     pub fn app(&mut self) -> &mut App {
@@ -106,6 +111,12 @@ impl Window {
     /// The first of several of that name.
     pub fn first(&self, label: &str) -> Rect {
         self.harness.get_all_by_label(label).next().unwrap().rect()
+    }
+
+    /// The uppermost of all whose name begins so.
+    pub fn first_containing(&self, label: &str) -> Rect {
+        let all = self.harness.get_all_by_label_contains(label).map(|n| n.rect());
+        all.min_by(|a, b| a.top().total_cmp(&b.top())).unwrap()
     }
 
     pub fn has(&self, label: &str) -> bool {

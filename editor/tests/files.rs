@@ -167,7 +167,8 @@ fn graphs_that_were_opened_are_remembered() {
     let state = folder("state");
     let path = graph("recent", SMALL);
     let mut w = Window::open(Some(&path));
-    w.app().remember_in(Some(state.clone()));
+    let ctx = w.harness.ctx.clone();
+    w.app().remember_in(&ctx, Some(state.clone()));
     assert_eq!(w.app().model.recent(), [path.canonicalize().unwrap()]);
     w.click(w.rect("File").center());
     let new = w.harness.get_by_label_contains("New").rect();

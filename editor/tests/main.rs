@@ -7,3 +7,5 @@ mod common;
 mod files;
 mod history;
 mod shell;
+mod viewport;
+mod window;

@@ -124,8 +124,11 @@ impl App {
     }
 
     /// Takes the state folder of this user: recent graphs, preferences, and unsaved work of graphs without a file.
-    pub fn remember_in(&mut self, folder: Option<PathBuf>) {
+    pub fn remember_in(&mut self, ctx: &egui::Context, folder: Option<PathBuf>) {
         self.model.state = folder;
+        self.take_preferences(ctx);
+        // Somebody who is here for the first time sees the examples.
+        self.gallery.open = !self.preferences.toured && self.model.path().is_none();
         self.model.remember();
         self.found |= self.model.left_behind().is_some();
     }
@@ -137,6 +140,7 @@ impl App {
         match ending.as_str() {
             e if e == std::env::consts::DLL_EXTENSION => self.load_plugin(path),
             "obj" => self.read_mesh(path),
+            "png" => self.model.message = self.viewport.refer_to(path).err(),
             _ => self.leave(ui, Leave::Open(path.to_owned())),
         }
     }
@@ -167,7 +171,8 @@ impl App {
                 self.model.edit(Operation::SetParam { node, port, value });
             }
             Browse::Plugin => self.load_plugin(path),
-            Browse::Reference | Browse::Picture => {}
+            Browse::Reference => self.model.message = self.viewport.refer_to(path).err(),
+            Browse::Picture => self.model.message = self.viewport.picture_to(path).err(),
             Browse::Export => match self.model.export(path) {
                 Ok(said) => self.said = Some(said),
                 Err(e) => self.model.message = Some(e),
@@ -186,6 +191,9 @@ impl App {
         }
         if let Some(what) = self.model.wanted_file.take() {
             self.browse(Browse::Input { node: what.0, port: what.1 });
+        }
+        if let Some(what) = self.viewport.wants.take() {
+            self.browse(what);
         }
         if let Some(mut browser) = self.browser.take() {
             match browser.show(ui) {

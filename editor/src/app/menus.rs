@@ -21,11 +21,19 @@ impl App {
                     self.viewport.show_all();
                 }
                 ui.separator();
-                egui::widgets::global_theme_preference_buttons(ui);
+                self.preferences_menu(ui);
             });
-            if ui.button("Help").on_hover_text("F1").clicked() {
-                self.help = !self.help;
-            }
+            ui.menu_button("Help", |ui| {
+                if ui.add(Button::new("Keys").shortcut_text("F1")).clicked() {
+                    self.help = !self.help;
+                }
+                if ui.button("Tour of three steps").clicked() {
+                    self.begin_tour(ui);
+                }
+                if ui.button("Examples …").clicked() {
+                    self.gallery.open = true;
+                }
+            });
             ui.separator();
             let (undo, redo) = self.model.steps();
             if ui.add_enabled(undo > 0, Button::new("Undo")).clicked() {
@@ -49,6 +57,9 @@ impl App {
         }
         if item(ui, "Open …", keys::OPEN) {
             self.browse(Browse::Open);
+        }
+        if ui.button("Examples …").clicked() {
+            self.gallery.open = true;
         }
         ui.menu_button("Open recent", |ui| {
             let recent = self.model.recent();

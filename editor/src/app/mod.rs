@@ -3,16 +3,20 @@
 mod files;
 mod keys;
 mod menus;
+mod preferences;
 mod status;
+mod tour;
 
 use crate::boards::BoardView;
 use crate::canvas::Canvas;
 use crate::model::Model;
 use crate::panels::{self, Browser, Lower};
-use crate::viewport::{self, Viewport};
+use crate::viewport::Viewport;
 use eframe::egui::{self, Key, Ui};
 use files::Leave;
+use preferences::Preferences;
 use std::path::Path;
+use tour::Gallery;
 
 /// The editor's window.
 pub struct App {
@@ -40,6 +44,10 @@ pub struct App {
     found: bool,
     /// What was done last, where it cannot be seen otherwise.
     said: Option<String>,
+    preferences: Preferences,
+    gallery: Gallery,
+    /// The step of the tour that is shown.
+    tour: Option<usize>,
 }
 
 /// What stands beside the canvas.
@@ -60,11 +68,12 @@ impl App {
         let ctx = cc.egui_ctx.clone();
         // A second pass over the same input would do twice what a key or a click asks for.
         ctx.options_mut(|o| o.max_passes = std::num::NonZeroUsize::MIN);
-        let card = cc.wgpu_render_state.as_ref().map(viewport::install);
+        let mut viewport = Viewport::default();
+        let card = cc.wgpu_render_state.as_ref().map(|card| viewport.use_card(card));
         let mut app = Self {
             model: Model::new(move || ctx.request_repaint())?,
             canvas: Canvas::default(),
-            viewport: Viewport::default(),
+            viewport,
             boards: BoardView::default(),
             side: Side::Space,
             lower: Lower::default(),
@@ -76,6 +85,9 @@ impl App {
             title: String::new(),
             found: false,
             said: None,
+            preferences: Preferences::default(),
+            gallery: Gallery::default(),
+            tour: None,
         };
         if let Some(graph) = graph {
             app.open(graph);
@@ -105,6 +117,24 @@ impl App {
             }
             Side::Space => {
                 ui.centered_and_justified(|ui| ui.label("no graphics: the viewport cannot be shown"));
+            }
+        }
+    }
+
+    /// Goes where a click in the lower panel leads.
+    fn went(&mut self, to: panels::Went) {
+        match to {
+            panels::Went::Node(path) => {
+                let depth = self.model.trail().len();
+                self.model.go_to(&path);
+                if self.model.trail().len() != depth {
+                    self.canvas.opened();
+                }
+                self.canvas.show_all();
+            }
+            panels::Went::Panel(picked) => {
+                self.model.go_to(&picked.output);
+                self.viewport.picked = Some(picked);
             }
         }
     }
@@ -166,13 +196,9 @@ impl eframe::App for App {
         });
         if self.lower.tab.is_some() {
             egui::Panel::bottom("lower").resizable(true).default_size(200.0).show(ui, |ui| {
-                if let Some(node) = self.lower.show(ui, &self.model) {
-                    let depth = self.model.trail().len();
-                    self.model.go_to(&node);
-                    if self.model.trail().len() != depth {
-                        self.canvas.opened();
-                    }
-                    self.canvas.show_all();
+                self.boards.look(&self.model);
+                if let Some(went) = self.lower.show(ui, &self.model, self.boards.plays()) {
+                    self.went(went);
                 }
             });
         }
@@ -186,6 +212,8 @@ impl eframe::App for App {
         }
         panels::help(ui, &mut self.help);
         self.files(ui);
+        self.gallery(ui);
+        self.tour(ui);
         if !self.model.settled() {
             // The worker wakes the window when it has something; this only keeps the clock of the bar going.
             ui.ctx().request_repaint_after(std::time::Duration::from_millis(200));

@@ -18,6 +18,9 @@ impl App {
             if ui.button("Data").clicked() {
                 self.lower.toggle(panels::Tab::Data);
             }
+            if ui.button("Pieces").clicked() {
+                self.lower.toggle(panels::Tab::Pieces);
+            }
             if ui.button("Profile").clicked() {
                 self.lower.toggle(panels::Tab::Profile);
             }

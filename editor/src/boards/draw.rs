@@ -148,6 +148,15 @@ pub fn kind_colour(kind: Kind) -> Color32 {
     }
 }
 
+/// Marks a place where a proof has found something wrong.
+pub fn paint_fault(painter: &Painter, theme: &Theme, at: Pos2) {
+    let stroke = Stroke::new(2.5, theme.error);
+    for d in [eframe::egui::vec2(6.0, 6.0), eframe::egui::vec2(6.0, -6.0)] {
+        painter.line_segment([at - d, at + d], stroke);
+    }
+    painter.circle_stroke(at, 10.0, stroke);
+}
+
 /// Paints what the tool has done until now and the tool itself; `to_screen` takes board coordinates.
 pub fn paint_play(
     painter: &Painter,
@@ -165,8 +174,8 @@ pub fn paint_play(
         let diameter = tool.and_then(|t| play.machine.machine.tools.get(t)).map_or(0.0, |t| t.diameter);
         let groove = diameter as f32 * zoom;
         if cuts && groove > 2.0 {
-            // The groove that is left.
-            let stroke = Stroke::new(groove, Color32::from_rgba_unmultiplied(40, 30, 20, 110));
+            // What is left of the material there: nothing, down to the layer below.
+            let stroke = Stroke::new(groove, Color32::from_rgb(108, 86, 58));
             painter.add(Shape::line(run.clone(), stroke));
         }
         painter.add(Shape::line(

@@ -5,10 +5,11 @@ mod player;
 
 use crate::canvas::View;
 use crate::model::Model;
-use crate::model::cut::{Boards, Play, boards, programs};
+use crate::model::cut::{Boards, Play, boards, faults, programs};
 use crate::theme::Theme;
 use crate::viewport::Picked;
 use draw::Draw;
+pub use draw::kind_colour;
 use eframe::egui::{self, Id, Rect, Sense, Ui, WidgetInfo, WidgetType, pos2};
 use player::Player;
 
@@ -45,13 +46,15 @@ impl BoardView {
         &self.plays
     }
 
-    fn look(&mut self, model: &Model) {
+    /// Finds boards and programs, if the results have changed.
+    pub fn look(&mut self, model: &Model) {
         let now = (model.results.count, model.selection.len());
         if self.of == Some(now) {
             return;
         }
         self.of = Some(now);
         self.found = boards(model);
+        self.player.faults = faults(model);
         let found = programs(model);
         if self.read != found.as_ref().map(|p| p.digest) {
             self.read = found.as_ref().map(|p| p.digest);
@@ -97,6 +100,10 @@ impl BoardView {
         if let Some((play, now)) = self.player.now(&self.plays) {
             let offset = draw.board(play.board).min;
             draw::paint_play(&painter, &theme, self.view.zoom, play, now, &|p| to_screen(p + offset));
+        }
+        for fault in &self.player.faults {
+            let Some(at) = fault.at else { continue };
+            draw::paint_fault(&painter, &theme, to_screen(at.truncate() + draw.board(fault.board).min));
         }
         if response.clicked()
             && let Some(at) = response.interact_pointer_pos()

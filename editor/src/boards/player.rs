@@ -1,7 +1,7 @@
 //! The player: which program, where in time, how fast; and its text with the line that runs.
 
 use super::draw::kind_colour;
-use crate::model::cut::{Kind, Now, Play};
+use crate::model::cut::{Fault, Kind, Now, Play};
 use crate::theme::Theme;
 use eframe::egui::{self, ComboBox, RichText, ScrollArea, Slider, TextStyle, Ui};
 use tenon_nodes::value::Standing;
@@ -18,6 +18,8 @@ pub struct Player {
     pub playing: bool,
     /// The text is shown.
     pub code: bool,
+    /// What proofs have found wrong.
+    pub faults: Vec<Fault>,
     /// Something was played, so that the tool is drawn.
     begun: bool,
     /// The line that the text was brought to.
@@ -26,7 +28,16 @@ pub struct Player {
 
 impl Default for Player {
     fn default() -> Self {
-        Self { program: 0, time: 0.0, speed: 20.0, playing: false, code: false, begun: false, at_line: 0 }
+        Self {
+            program: 0,
+            time: 0.0,
+            speed: 20.0,
+            playing: false,
+            code: false,
+            faults: Vec::new(),
+            begun: false,
+            at_line: 0,
+        }
     }
 }
 
@@ -75,14 +86,17 @@ impl Player {
             });
             let theme = Theme::of(ui);
             match (&play.standing, &play.refused) {
-                (_, Some((line, why))) => ui.colored_label(theme.error, format!("line {line}: {why}")),
+                (_, Some((line, why))) => {
+                    ui.colored_label(theme.error, format!("line {line} cannot be read")).on_hover_text(why)
+                }
                 (Standing::Passed, _) => ui.colored_label(theme.selected, "proven"),
                 (Standing::Unproven, _) => ui.colored_label(theme.warning, "unproven"),
-                (Standing::Failed(why), _) => ui.colored_label(theme.error, format!("proof failed: {why}")),
+                (Standing::Failed(why), _) => ui.colored_label(theme.error, "proof failed").on_hover_text(&**why),
             };
             ui.label(format!("{} of {}", clock(self.time), clock(length)))
                 .on_hover_text("estimated: rapid moves at 20 m/min, no acceleration, no tool changes");
             ui.toggle_value(&mut self.code, "Program");
+            self.choose_fault(ui, play);
         });
         ui.horizontal(|ui| {
             if ui.button(if self.playing { "Pause" } else { "Play" }).clicked() {
@@ -112,6 +126,29 @@ impl Player {
                 ui.label(RichText::new(format!("line {}, tool {}: {}", step.line, tool.number, tool.name)).small());
             }
         });
+    }
+
+    /// The list of what proofs found wrong with a program; choosing one goes there.
+    fn choose_fault(&mut self, ui: &mut Ui, play: &Play) {
+        let own: Vec<&Fault> = self.faults.iter().filter(|f| f.board == play.board).collect();
+        if own.is_empty() {
+            return;
+        }
+        let mut go = None;
+        let words = RichText::new(format!("{} faults", own.len())).color(Theme::of(ui).error);
+        ui.menu_button(words, |ui| {
+            ScrollArea::vertical().max_height(260.0).show(ui, |ui| {
+                for fault in &own {
+                    if ui.button(&fault.words).clicked() {
+                        go = fault.line.and_then(|l| play.time_of(l));
+                        ui.close();
+                    }
+                }
+            });
+        });
+        if let Some(time) = go {
+            self.go_to(time);
+        }
     }
 
     /// The text of the program; a click on a line goes there.

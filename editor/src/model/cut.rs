@@ -2,11 +2,14 @@
 //! graph, so that any node that gives a layout or programs will do.
 
 use super::Model;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use tenon_engine::{Document, Name, Tree};
 use tenon_geometry::board::{Layout, PartSet};
 use tenon_geometry::machine::{Machine, Tool};
+use tenon_geometry::motion::PartPaths;
 use tenon_geometry::panel::PanelSet;
+use tenon_geometry::proof::ProofReport;
 use tenon_geometry::{DVec3, proof};
 use tenon_nodes::post::{MachineFile, PostedProgram};
 use tenon_nodes::value::{Program, Standing, V};
@@ -61,6 +64,40 @@ pub fn boards(model: &Model) -> Option<Boards> {
             .find(|s| model.value(s).is_some_and(|t| t.first::<V<PanelSet>>().is_some()));
         Some(Boards { node: node.clone(), layout, parts, panels: panels.map(|p| model.path_of(p).into_owned()) })
     })
+}
+
+/// Tool paths with the parts that they cut, and a digest of both; none if no node gives them.
+#[must_use]
+pub fn paths(model: &Model) -> Option<(&PartPaths, &PartSet, u128)> {
+    outputs(model, "tool_paths").find_map(|(node, _, tree)| {
+        let all = sources(model.document(), node).filter_map(|s| model.value(s));
+        let parts = all.filter(|t| t.first::<V<PartSet>>().is_some()).collect::<Vec<_>>();
+        let from = parts.first()?;
+        let digest = tree.digest() ^ from.digest().rotate_left(64);
+        Some((&**tree.first::<V<PartPaths>>()?, &**from.first::<V<PartSet>>()?, digest))
+    })
+}
+
+/// What a proof has found wrong with programs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fault {
+    /// The board.
+    pub board: u32,
+    /// Line of the program, if it is known.
+    pub line: Option<u32>,
+    /// Where on the board, mm, if it is known.
+    pub at: Option<DVec3>,
+    /// In words.
+    pub words: String,
+}
+
+/// All that proofs have found wrong, in their order.
+#[must_use]
+pub fn faults(model: &Model) -> Vec<Fault> {
+    let proofs = outputs(model, "proof").filter_map(|(_, _, tree)| tree.first::<V<ProofReport>>());
+    let programs = proofs.flat_map(|p| &p.programs);
+    let fault = |board, r: &proof::Reason| Fault { board, line: r.line, at: r.at, words: r.to_string() };
+    programs.flat_map(|p| p.reasons.iter().map(move |r| fault(p.board, r))).collect()
 }
 
 /// Programs with the machine that they are for.
@@ -190,6 +227,24 @@ impl Play {
         self.posted.text.get(start..end).unwrap_or_default().trim_end()
     }
 
+    /// Seconds that every part takes, by its address, as the program's remarks name it; what belongs to none is under "".
+    /// O(lines + steps).
+    #[must_use]
+    pub fn time_of_parts(&self) -> BTreeMap<String, f64> {
+        let mut times = BTreeMap::new();
+        let (mut line, mut part) = (0, String::new());
+        for step in &self.steps {
+            while line < step.line as usize {
+                line += 1;
+                if let Some(name) = part_named(self.line(line)) {
+                    part = name.to_owned();
+                }
+            }
+            *times.entry(part.clone()).or_insert(0.0) += step.time[1] - step.time[0];
+        }
+        times
+    }
+
     /// The tool of a step.
     #[must_use]
     pub fn tool(&self, step: &Step) -> Option<&Tool> {
@@ -221,6 +276,13 @@ impl Play {
     pub fn time_of(&self, line: u32) -> Option<f64> {
         self.steps.get(self.steps.partition_point(|s| s.line < line)).map(|s| s.time[0])
     }
+}
+
+/// The address in a remark such as `(1.2.3 contour)`.
+fn part_named(line: &str) -> Option<&str> {
+    let remark = line.trim().strip_prefix(['(', ';'])?.trim_end_matches(')').trim();
+    let (name, what) = remark.rsplit_once(' ')?;
+    matches!(what, "fixing" | "engraving" | "drilling" | "contour").then_some(name.trim())
 }
 
 fn steps(program: &proof::Program, machine: &Machine) -> Vec<Step> {

@@ -1,9 +1,10 @@
 //! Points that can be taken by hand in the viewport: point nodes, and points that stand as literals at an input.
 
-use super::catalog::Catalog;
+use super::catalog::{Catalog, PortInfo};
 use super::param::number;
-use tenon_engine::{Document, Json, Literal, Operation};
+use tenon_engine::{Document, Json, Literal, Node, Operation};
 use tenon_geometry::DVec3;
+use tenon_geometry::ifs::{Move, Preset, Scheme, Tie, homogeneous};
 
 /// Where a point stands in the document.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,6 +18,8 @@ pub enum Place {
         /// Its number in the list; none for a point alone.
         index: Option<usize>,
     },
+    /// A subdivision point of an iterated curve, by its number from 0.
+    Subdivision(usize),
 }
 
 /// A point that can be moved.
@@ -40,6 +43,7 @@ impl Handle {
             Place::Coordinates => self.node.clone(),
             Place::Literal { port, index: None } => format!("{}.{port}", self.node),
             Place::Literal { port, index: Some(i) } => format!("{}.{port} {}", self.node, i + 1),
+            Place::Subdivision(i) => format!("{} s{}", self.node, i + 1),
         }
     }
 
@@ -75,8 +79,110 @@ impl Handle {
                 *point = to.to_array().into_iter().map(number).collect();
                 Some(set(port, value))
             }
+            Place::Subdivision(i) => {
+                let list = |port: &str| {
+                    let value = node.params.get(port).map(Literal::to_json);
+                    value.as_ref().and_then(Json::as_array).cloned().unwrap_or_default()
+                };
+                let (mut places, mut numbers) = (list("subdivision_points"), list("subdivision_numbers"));
+                let to: Json = to.to_array().into_iter().map(number).collect();
+                let there = match numbers.is_empty() {
+                    // All of them are given, or none.
+                    true => Some(*i).filter(|i| *i < places.len()),
+                    false => numbers.iter().position(|n| n.as_u64() == Some(*i as u64 + 1)),
+                };
+                match there.and_then(|at| places.get_mut(at)) {
+                    Some(place) => *place = to,
+                    None => {
+                        places.push(to);
+                        numbers.push((*i + 1).into());
+                    }
+                }
+                let numbers = (!numbers.is_empty()).then(|| set("subdivision_numbers", numbers.into_iter().collect()));
+                let places = set("subdivision_points", places.into_iter().collect());
+                Some(Operation::All(std::iter::once(places).chain(numbers).collect()))
+            }
         }
     }
+}
+
+/// The weight of a control point of a curve; none for points that have none, or whose weights come by wire.
+#[must_use]
+pub fn weight(handle: &Handle, document: &Document, catalog: &Catalog) -> Option<f64> {
+    let Place::Literal { port, index: Some(i) } = &handle.place else { return None };
+    let node = document.nodes().get(&handle.node).filter(|_| port == "points")?;
+    let wired = node.inputs.get("weights").is_some_and(|w| !w.from.is_empty());
+    let has = catalog.get(&node.type_name)?.inputs.iter().any(|p| p.name == "weights");
+    let set = node.params.get("weights").map(Literal::to_json);
+    let own = set.as_ref().and_then(|w| w.get(*i)).and_then(Json::as_f64);
+    (has && !wired).then(|| own.unwrap_or(1.0))
+}
+
+/// The operation that gives a control point a weight; the others keep theirs.
+#[must_use]
+pub fn set_weight(handle: &Handle, weight: f64, document: &Document) -> Option<Operation> {
+    let Place::Literal { port, index: Some(i) } = &handle.place else { return None };
+    let node = document.nodes().get(&handle.node)?;
+    let count = node.params.get(port)?.to_json().as_array()?.len();
+    let set = node.params.get("weights").map(Literal::to_json);
+    let own = |k: usize| set.as_ref().and_then(|w| w.get(k)).and_then(Json::as_f64).unwrap_or(1.0);
+    let weight = ((weight * 1000.0).round() / 1000.0).clamp(1e-3, 1e3);
+    let all: Vec<f64> = (0..count).map(|k| if k == *i { weight } else { own(k) }).collect();
+    let plain = all.iter().all(|w| *w == 1.0);
+    let value = (!plain).then(|| all.into_iter().map(number).collect());
+    Some(Operation::SetParam { node: handle.node.clone(), port: "weights".into(), value })
+}
+
+/// The subdivision points of an iterated curve whose scheme and control points stand in the document, as far as a hand can
+/// move them: those that are control points are left out.
+fn subdivision(id: &str, node: &Node) -> Option<Vec<Handle>> {
+    let json = |port: &str| node.params.get(port).map(Literal::to_json);
+    let wired = |port: &str| node.inputs.get(port).is_some_and(|w| !w.from.is_empty());
+    let others = ["points", "weights", "preset", "degree", "columns", "controls"];
+    if others.into_iter().chain(["subdivision_points", "subdivision_numbers"]).any(wired) {
+        return None;
+    }
+    let points: Vec<DVec3> = json("points")?.as_array()?.iter().map(xyz).collect::<Option<_>>()?;
+    let weights = json("weights");
+    let weight = |i: usize| weights.as_ref().and_then(|w| w.get(i)).and_then(Json::as_f64).unwrap_or(1.0);
+    let control: Vec<_> = points.iter().enumerate().map(|(i, p)| homogeneous(*p, weight(i))).collect();
+    let degree = json("degree").and_then(|d| d.as_u64()).filter(|d| *d > 0);
+    let degree = degree.unwrap_or(points.len().saturating_sub(1).max(1) as u64).min(1000) as u32;
+    let preset = json("preset");
+    let scheme = match preset.as_ref().map_or(Some("bezier"), Json::as_str)? {
+        "custom" => {
+            let columns: Vec<f64> = json("columns")?.as_array()?.iter().map(Json::as_f64).collect::<Option<_>>()?;
+            let controls = json("controls").and_then(|c| c.as_u64()).filter(|c| *c > 0);
+            Scheme::custom(controls.unwrap_or(points.len() as u64) as usize, columns).ok()?
+        }
+        name => Scheme::preset(Preset::from_name(name, degree)?).ok()?,
+    };
+    if scheme.control_count() != control.len() {
+        return None;
+    }
+    // What was moved stands in the document; the others follow the scheme.
+    let (places, numbers) = (json("subdivision_points"), json("subdivision_numbers"));
+    let moved = |i: usize| -> Option<DVec3> {
+        let at = match &numbers {
+            Some(n) => n.as_array()?.iter().position(|n| n.as_u64() == Some(i as u64 + 1))?,
+            None => i,
+        };
+        xyz(places.as_ref()?.get(at)?)
+    };
+    let moves: Vec<Move> =
+        (0..scheme.ties().len()).filter_map(|i| Some(Move { point: i, position: moved(i)?, weight: None })).collect();
+    let scheme = scheme.moved(&control, &moves, 1e-6).unwrap_or(scheme);
+    let all = scheme.subdivision_points(&control).ok()?;
+    let free = |i: usize| matches!(scheme.ties().get(i), Some(Tie::Class { .. }));
+    let places = all.into_iter().enumerate().filter(|(i, _)| free(*i)).map(|(i, p)| (i, p.truncate() / p.w));
+    let mut found: Vec<Handle> = Vec::new();
+    for (i, at) in places.filter(|(_, p)| p.is_finite()) {
+        // Points that lie on one another are one to the hand.
+        if found.iter().all(|h| h.at.distance(at) > 1e-6) {
+            found.push(Handle { node: id.to_owned(), place: Place::Subdivision(i), at, free: [true; 3] });
+        }
+    }
+    Some(found)
 }
 
 fn xyz(json: &Json) -> Option<DVec3> {
@@ -107,7 +213,11 @@ pub fn handles(document: &Document, catalog: &Catalog) -> Vec<Handle> {
                 found.push(Handle { node: id.clone(), place: Place::Coordinates, at, free: axes.map(|a| a.1) });
             }
         }
-        for port in info.inputs.iter().filter(|p| p.type_name == "point") {
+        if node.type_name == "ifs_curve" {
+            found.extend(subdivision(id, node).into_iter().flatten());
+        }
+        let direct = |p: &&PortInfo| p.type_name == "point" && p.name != "subdivision_points";
+        for port in info.inputs.iter().filter(direct) {
             let wired = node.inputs.get(&port.name).is_some_and(|w| !w.from.is_empty());
             let Some(value) = node.params.get(&port.name).filter(|_| !wired).map(Literal::json) else { continue };
             let mut add = |index, at| {
@@ -129,7 +239,28 @@ pub fn handles(document: &Document, catalog: &Catalog) -> Vec<Handle> {
 mod tests {
     use super::*;
     use serde_json::json;
-    use tenon_engine::Node;
+
+    #[test]
+    fn subdivision_points_are_moved_by_number_and_weights_kept_in_order() {
+        let catalog = Catalog::new(&tenon_nodes::registry());
+        let mut d = document();
+        let middle = handles(&d, &catalog).remove(0);
+        middle.move_to(DVec3::new(0.25, 0.5, 0.75), &d).unwrap().apply(&mut d).unwrap();
+        let set = |d: &Document, port: &str| d.nodes()["c"].params.get(port).map(Literal::to_json);
+        assert_eq!(set(&d, "subdivision_points"), Some(json!([[0.25, 0.5, 0.75]])));
+        assert_eq!(set(&d, "subdivision_numbers"), Some(json!([2])));
+        let again = handles(&d, &catalog).remove(0);
+        assert!(again.same(&middle) && again.at.distance(DVec3::new(0.25, 0.5, 0.75)) < 1e-9, "{}", again.at);
+        again.move_to(DVec3::new(2.0, 1.0, 0.0), &d).unwrap().apply(&mut d).unwrap();
+        assert_eq!(set(&d, "subdivision_points"), Some(json!([[2, 1, 0]])));
+
+        let point = handles(&d, &catalog).into_iter().find(|h| h.label() == "c.points 2").unwrap();
+        assert_eq!(weight(&point, &d, &catalog), Some(1.0));
+        set_weight(&point, 2.5, &d).unwrap().apply(&mut d).unwrap();
+        assert_eq!(set(&d, "weights"), Some(json!([1, 2.5])));
+        set_weight(&point, 1.0, &d).unwrap().apply(&mut d).unwrap();
+        assert_eq!(set(&d, "weights"), None, "weights of 1 need not stand in the file");
+    }
 
     fn document() -> Document {
         let mut d = Document::new();
@@ -145,9 +276,10 @@ mod tests {
         let mut d = document();
         let all = handles(&d, &catalog);
         let labels: Vec<String> = all.iter().map(Handle::label).collect();
-        assert_eq!(labels, ["c.points 1", "c.points 2", "p"]);
-        all[0].move_to(DVec3::new(1.234, 5.0, -7.0), &d).unwrap().apply(&mut d).unwrap();
-        all[2].move_to(DVec3::new(6.0, 0.5, 0.0), &d).unwrap().apply(&mut d).unwrap();
+        assert_eq!(labels, ["c s2", "c.points 1", "c.points 2", "p"]);
+        assert_eq!(all[0].at, DVec3::new(0.5, 1.0, 1.5), "the middle of a line");
+        all[1].move_to(DVec3::new(1.234, 5.0, -7.0), &d).unwrap().apply(&mut d).unwrap();
+        all[3].move_to(DVec3::new(6.0, 0.5, 0.0), &d).unwrap().apply(&mut d).unwrap();
         let set = |id: &str, port: &str| d.nodes()[id].params.get(port).map(Literal::to_json);
         assert_eq!(set("c", "points"), Some(json!([[1.23, 5, -7], [1, 2, 3]])));
         assert_eq!(["x", "y", "z"].map(|axis| set("p", axis)), [Some(json!(6)), Some(json!(0.5)), None]);

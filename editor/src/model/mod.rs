@@ -3,6 +3,7 @@
 
 pub mod arrange;
 pub mod catalog;
+pub mod critical;
 pub mod cut;
 mod edit;
 mod export;
@@ -329,6 +330,12 @@ impl Model {
     /// Stops the evaluation; what was found before stays.
     pub fn cancel(&self) -> bool {
         self.worker.cancel()
+    }
+
+    /// Whether a node runs now.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
+        self.worker.is_running()
     }
 
     /// Evaluates once more: after it was stopped, or when files that nodes read have changed.

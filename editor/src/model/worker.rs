@@ -4,7 +4,7 @@
 use super::inside::Entered;
 use crate::scene::{self, Drawing};
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -73,6 +73,8 @@ struct Running {
 #[derive(Default)]
 struct Shared {
     pending: AtomicUsize,
+    /// Nothing is evaluated until there are more requests than these.
+    stopped_at: AtomicU64,
     running: Mutex<Option<Running>>,
 }
 
@@ -160,11 +162,18 @@ impl Worker {
         }
     }
 
-    /// Stops what runs now; false if nothing does.
+    /// Stops what runs now and what was asked for; false if nothing runs.
     pub fn cancel(&self) -> bool {
+        self.shared.stopped_at.store(self.sent, Ordering::SeqCst);
         let running = self.shared.running();
         running.iter().for_each(|r| r.cancel.store(true, Ordering::Relaxed));
         running.is_some()
+    }
+
+    /// Whether an evaluation runs now.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
+        self.shared.running().is_some()
     }
 
     /// Requests sent so far; an update with this revision knows all of them.
@@ -225,13 +234,33 @@ impl Evaluator {
             while let Ok(request) = self.inbox.try_recv() {
                 self.take(&mut session, request);
             }
+            if self.is_stopped() {
+                self.tell_stopped(&session);
+                continue;
+            }
             let shown: Vec<String> = self.shown.iter().filter(|s| session.knows(s).is_ok()).cloned().collect();
             let stopped = !shown.is_empty() && self.evaluate(&mut session, Stage::Shown, &shown);
-            if !stopped && self.shared.pending.load(Ordering::SeqCst) == 0 {
+            if !stopped && !self.is_stopped() && self.shared.pending.load(Ordering::SeqCst) == 0 {
                 let ends = self.ends(&session);
                 self.evaluate(&mut session, Stage::All, &ends);
+            } else if self.is_stopped() {
+                self.tell_stopped(&session);
             }
         }
+    }
+
+    /// Whether somebody has stopped all that was asked for.
+    fn is_stopped(&self) -> bool {
+        self.seen <= self.shared.stopped_at.load(Ordering::SeqCst)
+    }
+
+    /// Tells that nothing more will come until something is asked for.
+    fn tell_stopped(&mut self, session: &Session) {
+        let report = Report { cancelled: true, ..Report::default() };
+        let (faults, files) = (Vec::new(), Vec::new());
+        let (values, drawings) = (self.values(session), self.draw(session));
+        let (stage, revision) = (Stage::All, self.seen);
+        self.tell.tell(Update::Done(Box::new(Done { stage, revision, report, faults, values, drawings, files })));
     }
 
     fn take(&mut self, session: &mut Session, request: Request) {

@@ -55,7 +55,7 @@ impl Browse {
         match self {
             Self::Open | Self::Save => &[ENDING],
             Self::Plugin => &[".so", ".dll", ".dylib"],
-            Self::Reference => &[".obj", ".png", ".jpg", ".jpeg"],
+            Self::Reference => &[".obj", ".png"],
             Self::Picture => &[".png"],
             Self::Input { .. } | Self::Export => &[],
         }

@@ -1,9 +1,14 @@
 //! Below the canvas: all that is wrong, where the time goes, and values as tables. A click goes to the node.
 
 use super::data::DataView;
+use super::pieces::Pieces;
 use crate::model::Model;
+use crate::model::critical::critical_path;
+use crate::model::cut::Play;
 use crate::theme::{self, Theme};
+use crate::viewport::Picked;
 use eframe::egui::{Align2, FontId, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};
+use std::time::Duration;
 use tenon_engine::Severity;
 
 /// What stands below the canvas.
@@ -15,6 +20,17 @@ pub enum Tab {
     Profile,
     /// What the selected node gives.
     Data,
+    /// All parts.
+    Pieces,
+}
+
+/// What was clicked.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Went {
+    /// A node, by its path.
+    Node(String),
+    /// A panel.
+    Panel(Picked),
 }
 
 /// The panel below the canvas.
@@ -23,6 +39,7 @@ pub struct Lower {
     /// What it shows; none: it is closed.
     pub tab: Option<Tab>,
     data: DataView,
+    pieces: Pieces,
 }
 
 impl Lower {
@@ -31,10 +48,12 @@ impl Lower {
         self.tab = if self.tab == Some(tab) { None } else { Some(tab) };
     }
 
-    /// Shows it; gives the node that was clicked.
-    pub fn show(&mut self, ui: &mut Ui, model: &Model) -> Option<String> {
+    /// Shows it; gives what was clicked.
+    pub fn show(&mut self, ui: &mut Ui, model: &Model, plays: &[Play]) -> Option<Went> {
         ui.horizontal(|ui| {
-            for (tab, words) in [(Tab::Problems, "Problems"), (Tab::Profile, "Profile"), (Tab::Data, "Data")] {
+            for (tab, words) in
+                [(Tab::Problems, "Problems"), (Tab::Profile, "Profile"), (Tab::Data, "Data"), (Tab::Pieces, "Pieces")]
+            {
                 if ui.selectable_label(self.tab == Some(tab), words).clicked() {
                     self.tab = Some(tab);
                 }
@@ -45,12 +64,13 @@ impl Lower {
         });
         ui.separator();
         match self.tab? {
-            Tab::Problems => problems(ui, model),
-            Tab::Profile => profile(ui, model),
+            Tab::Problems => problems(ui, model).map(Went::Node),
+            Tab::Profile => profile(ui, model).map(Went::Node),
             Tab::Data => {
                 self.data.show(ui, model);
                 None
             }
+            Tab::Pieces => self.pieces.show(ui, model, plays).map(Went::Panel),
         }
     }
 }
@@ -89,6 +109,17 @@ fn profile(ui: &mut Ui, model: &Model) -> Option<String> {
     all.sort_by(|a, b| b.1.time.cmp(&a.1.time).then_with(|| a.0.cmp(b.0)));
     let most = all.first().map_or(0.0, |(_, r)| r.time.as_secs_f64()).max(1e-9);
     let (theme, mut go) = (Theme::of(ui), None);
+    let time = |id: &str| model.results.nodes.get(&*model.path_of(id)).map_or(Duration::ZERO, |r| r.time);
+    let (critical, longest) = critical_path(model.document(), time);
+    let bytes: usize = all.iter().map(|(_, r)| r.bytes).sum();
+    let total: Duration = all.iter().map(|(_, r)| r.time).sum();
+    ui.label(format!(
+        "{} of work; the longest chain takes {} ({} nodes, ●); results take {}",
+        theme::duration(total),
+        theme::duration(longest),
+        critical.len(),
+        crate::canvas::bytes(bytes)
+    ));
     let font = FontId::proportional(13.0);
     ScrollArea::vertical().auto_shrink(false).show_rows(ui, 18.0, all.len(), |ui, rows| {
         for (id, r) in all.get(rows).unwrap_or(&[]) {
@@ -102,7 +133,9 @@ fn profile(ui: &mut Ui, model: &Model) -> Option<String> {
             let text = |x: f32, align, words: String| {
                 painter.text(rect.left_center() + vec2(x, 0.0), align, words, font.clone(), theme.text);
             };
-            text(4.0, Align2::LEFT_CENTER, (*id).clone());
+            let on = model.local(id).is_some_and(|id| critical.iter().any(|c| c == id));
+            text(4.0, Align2::LEFT_CENTER, if on { "●".into() } else { String::new() });
+            text(18.0, Align2::LEFT_CENTER, (*id).clone());
             text(210.0, Align2::RIGHT_CENTER, theme::duration(r.time));
             text(290.0, Align2::RIGHT_CENTER, crate::canvas::bytes(r.bytes));
             if response.clicked() {

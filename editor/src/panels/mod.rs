@@ -5,9 +5,10 @@ mod data;
 mod help;
 mod inspector;
 mod lower;
+mod pieces;
 pub mod table;
 
 pub use browser::{Browse, Browser, Chosen};
 pub use help::help;
 pub use inspector::inspector;
-pub use lower::{Lower, Tab};
+pub use lower::{Lower, Tab, Went};

@@ -120,7 +120,7 @@ impl Table {
                             change = Some(Change::Weight(i, w));
                         }
                     }
-                    if ui.add_enabled(i > 0, Button::new("↑").small()).on_hover_text("one up").clicked() {
+                    if ui.add_enabled(i > 0, Button::new("⬆").small()).on_hover_text("one up").clicked() {
                         change = Some(Change::Up(i));
                     }
                     if ui.small_button("×").on_hover_text("take it away").clicked() {

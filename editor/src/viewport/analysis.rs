@@ -3,48 +3,103 @@
 use crate::scene::{Drawing, Kind, Part};
 use crate::theme::Theme;
 use eframe::egui::{Align2, Color32, FontId, Painter, Rect, pos2, vec2};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
+use tenon_engine::Tree;
 
 /// What is shown in colours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// Area of the front face.
     Size,
     /// Largest angle to a neighbour.
     Fold,
+    /// Distance of corners from a plane.
+    Planarity,
+    /// Difference of opposite angles around corners.
+    Conicity,
+    /// A list of numbers in the graph (`node.port`), one per panel or face.
+    Numbers(Arc<str>),
 }
 
 impl Measure {
-    /// All of them with their names.
-    pub const ALL: [(Self, &'static str); 2] = [(Self::Size, "panel size"), (Self::Fold, "fold angle")];
+    /// Those that need no list.
+    pub const ALL: [Self; 4] = [Self::Size, Self::Fold, Self::Planarity, Self::Conicity];
 
-    /// The figure of a part.
+    /// What it is called.
     #[must_use]
-    pub fn of(self, part: &Part) -> f64 {
+    pub fn name(&self) -> String {
+        match self {
+            Self::Size => "panel size".into(),
+            Self::Fold => "fold angle".into(),
+            Self::Planarity => "planarity".into(),
+            Self::Conicity => "conicity".into(),
+            Self::Numbers(address) => (**address).to_owned(),
+        }
+    }
+
+    /// The figure of a part; that of a list stands elsewhere.
+    #[must_use]
+    pub fn of(&self, part: &Part) -> f64 {
         match self {
             Self::Size => part.area,
             Self::Fold => part.fold,
+            Self::Planarity => part.planarity,
+            Self::Conicity => part.conicity,
+            Self::Numbers(_) => f64::NAN,
         }
     }
 
     /// A figure for people.
     #[must_use]
-    pub fn shown(self, value: f64) -> String {
+    pub fn shown(&self, value: f64) -> String {
         match self {
             Self::Size => format!("{:.4} m²", value / 1e6),
-            Self::Fold => format!("{value:.1}°"),
+            Self::Fold | Self::Conicity => format!("{value:.1}°"),
+            Self::Planarity => format!("{value:.3} mm"),
+            Self::Numbers(_) => crate::model::param::shown(value),
         }
     }
 }
 
-/// Smallest and largest figure of everything that has one; none if nothing has.
-#[must_use]
-pub fn range<'a>(measure: Measure, drawings: impl Iterator<Item = &'a Arc<Drawing>>) -> Option<[f64; 2]> {
-    let parts = drawings.filter(|d| matches!(d.kind, Kind::Panels | Kind::Mesh)).flat_map(|d| &d.parts);
-    let figures = parts.filter(|p| p.area > 0.0).map(|p| measure.of(p));
-    let range = figures.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
-    (range[0] <= range[1]).then_some(range)
+/// A measure with its figures' range, and the numbers if it is a list.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// What is measured.
+    pub measure: Measure,
+    /// Smallest and largest figure.
+    pub range: [f64; 2],
+    /// The list; NaN for gaps.
+    numbers: Arc<Vec<f64>>,
+}
+
+impl Measured {
+    /// Measures all drawings; none if nothing has figures. O(parts), O(numbers) for a list.
+    #[must_use]
+    pub fn new(measure: &Measure, drawings: &BTreeMap<String, Arc<Drawing>>, list: Option<&Tree>) -> Option<Self> {
+        let mut numbers = Vec::new();
+        for (_, column) in list.into_iter().flat_map(|t| t.branches()) {
+            let number = |i| column.get::<f64>(i).copied().or_else(|| column.get::<i64>(i).map(|v| *v as f64));
+            numbers.extend((0..column.len()).map(|i| number(i).unwrap_or(f64::NAN)));
+        }
+        let mut found = Self { measure: measure.clone(), range: [0.0; 2], numbers: Arc::new(numbers) };
+        let faces = drawings.values().filter(|d| matches!(d.kind, Kind::Panels | Kind::Mesh));
+        let all = faces.flat_map(|d| (0..d.parts.len()).map(|i| found.figure(d, i)));
+        let range =
+            all.filter(|v| v.is_finite()).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
+        found.range = range;
+        (range[0] <= range[1]).then_some(found)
+    }
+
+    /// The figure of a part of a drawing; NaN if it has none.
+    #[must_use]
+    pub fn figure(&self, drawing: &Drawing, part: usize) -> f64 {
+        match &self.measure {
+            Measure::Numbers(_) if self.numbers.len() != drawing.parts.len() => f64::NAN,
+            Measure::Numbers(_) => self.numbers.get(part).copied().unwrap_or(f64::NAN),
+            plain => drawing.parts.get(part).filter(|p| p.area > 0.0).map_or(f64::NAN, |p| plain.of(p)),
+        }
+    }
 }
 
 /// From blue by green and yellow to red, `t` from 0 to 1.
@@ -62,7 +117,7 @@ pub fn gradient(t: f64) -> Color32 {
 #[derive(Clone, PartialEq)]
 struct For {
     digest: u128,
-    measure: Option<(Measure, [f64; 2])>,
+    measure: Option<Measured>,
     picked: Option<u32>,
 }
 
@@ -79,7 +134,7 @@ impl Colours {
         &mut self,
         output: &str,
         drawing: &Drawing,
-        measure: Option<(Measure, [f64; 2])>,
+        measure: Option<&Measured>,
         picked: Option<u32>,
     ) -> Arc<Vec<u32>> {
         let measure = measure.filter(|_| matches!(drawing.kind, Kind::Panels | Kind::Mesh));
@@ -87,7 +142,7 @@ impl Colours {
             self.kept.remove(output);
             return self.plain.clone();
         }
-        let now = For { digest: drawing.digest, measure, picked };
+        let now = For { digest: drawing.digest, measure: measure.cloned(), picked };
         if let Some((made_for, colours)) = self.kept.get(output)
             && *made_for == now
         {
@@ -96,9 +151,13 @@ impl Colours {
         let bytes = |c: Color32| u32::from_le_bytes([c.r(), c.g(), c.b(), 255]);
         let mut colours: Vec<u32> = match measure {
             None => vec![0; drawing.parts.len()],
-            Some((measure, [low, high])) => {
-                let along = |p: &Part| if high > low { (measure.of(p) - low) / (high - low) } else { 0.5 };
-                drawing.parts.iter().map(|p| bytes(gradient(along(p)))).collect()
+            Some(m) => {
+                let [low, high] = m.range;
+                let colour = |v: f64| match v {
+                    v if !v.is_finite() => 0,
+                    v => bytes(gradient(if high > low { (v - low) / (high - low) } else { 0.5 })),
+                };
+                (0..drawing.parts.len()).map(|i| colour(m.figure(drawing, i))).collect()
             }
         };
         // One more than there are parts: the last one counts for all beyond.
@@ -113,8 +172,9 @@ impl Colours {
 }
 
 /// What the colours mean, in the upper right corner.
-pub fn legend(painter: &Painter, area: Rect, theme: &Theme, measure: Measure, [low, high]: [f64; 2]) {
-    let bar = Rect::from_min_size(area.right_top() + vec2(-26.0, 64.0), vec2(14.0, 150.0));
+pub fn legend(painter: &Painter, area: Rect, theme: &Theme, m: &Measured) {
+    let (measure, [low, high]) = (&m.measure, m.range);
+    let bar = Rect::from_min_size(area.right_top() + vec2(-26.0, 90.0), vec2(14.0, 150.0));
     let steps = 50;
     for i in 0..steps {
         let t = f64::from(i) / f64::from(steps - 1);
@@ -127,7 +187,7 @@ pub fn legend(painter: &Painter, area: Rect, theme: &Theme, measure: Measure, [l
     text(bar.left_top() - vec2(5.0, 0.0), measure.shown(high));
     text(bar.left_center() - vec2(5.0, 0.0), measure.shown((low + high) / 2.0));
     text(bar.left_bottom() - vec2(5.0, 0.0), measure.shown(low));
-    let name = Measure::ALL.iter().find(|m| m.0 == measure).map_or("", |m| m.1);
+    let name = measure.name();
     painter.text(bar.right_top() - vec2(0.0, 16.0), Align2::RIGHT_CENTER, name, FontId::proportional(12.0), theme.text);
 }
 

@@ -135,7 +135,7 @@ impl Camera {
         self.target = (low + high) / 2.0;
         let radius = ((high - low).length() / 2.0).max(1.0);
         let narrow = aspect(area).min(1.0);
-        self.distance = (radius / (HALF.sin() * narrow) * 0.92).clamp(1.0, 1e8);
+        self.distance = (radius / (HALF.sin() * narrow)).clamp(1.0, 1e8);
     }
 
     /// Looks from a named direction.

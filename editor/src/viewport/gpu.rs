@@ -21,6 +21,7 @@ struct Uniforms {
     line: [f32; 4],
     eye: [f32; 4],
     pixels: [f32; 4],
+    clip: [f32; 4],
 }
 
 /// One drawing and its colours.
@@ -40,9 +41,14 @@ pub struct Shown {
     pub colours: Arc<Vec<u32>>,
     /// Both sides of faces are lit.
     pub open: bool,
+    /// Lines bear the colours of their parts.
+    pub coloured_lines: bool,
+    /// It is cut by the frame's plane.
+    pub clipped: bool,
 }
 
 /// What is to be drawn in one frame.
+#[derive(Clone)]
 pub struct Frame {
     /// From the model to clip space.
     pub matrix: glam::DMat4,
@@ -52,6 +58,8 @@ pub struct Frame {
     pub size: [f32; 2],
     /// Colour of the ground.
     pub ground: [f32; 3],
+    /// Normal and distance of the plane in front of which nothing is drawn; all 0 for none.
+    pub clip: [f32; 4],
     /// What is drawn.
     pub shown: Vec<Shown>,
 }
@@ -206,7 +214,8 @@ impl Pipelines {
             });
             texture.create_view(&Default::default())
         };
-        let picture = view(COLOUR, 1, attachment | wgpu::TextureUsages::TEXTURE_BINDING);
+        let copied = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
+        let picture = view(COLOUR, 1, attachment | copied);
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
             layout: &self.blit.get_bind_group_layout(0),
@@ -264,9 +273,10 @@ impl Frame {
         Uniforms {
             matrix: self.matrix.as_mat4().to_cols_array_2d(),
             face: four(shown.face),
-            line: four(shown.line),
+            line: [shown.line[0], shown.line[1], shown.line[2], if shown.coloured_lines { 0.0 } else { 1.0 }],
             eye: [x, y, z, if shown.open { 1.0 } else { 0.0 }],
             pixels: [size[0] as f32, size[1] as f32, shown.width[0] * scale, shown.width[1] * scale],
+            clip: if shown.clipped { self.clip } else { [0.0; 4] },
         }
     }
 }
@@ -286,6 +296,30 @@ impl CallbackTrait for Frame {
         if r.target.as_ref().is_none_or(|t| t.size != size) {
             r.target = Some(r.pipelines.target(device, size));
         }
+        self.bring(device, queue, size, screen.pixels_per_point, r);
+        if let Some(target) = &r.target {
+            self.draw(encoder, target, r);
+        }
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        _: eframe::egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        resources: &CallbackResources,
+    ) {
+        let Some(r) = resources.get::<Resources>() else { return };
+        let Some(target) = &r.target else { return };
+        pass.set_pipeline(&r.pipelines.blit);
+        pass.set_bind_group(0, &target.group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+impl Frame {
+    /// Brings buffers and uniforms up to what is to be drawn.
+    fn bring(&self, device: &wgpu::Device, queue: &wgpu::Queue, size: [u32; 2], scale: f32, r: &mut Resources) {
         r.buffers.retain(|key, _| self.shown.iter().any(|s| s.key == *key));
         for shown in &self.shown {
             let fresh = r.buffers.get(&shown.key).is_some_and(|b| {
@@ -296,11 +330,14 @@ impl CallbackTrait for Frame {
                 r.buffers.insert(shown.key.clone(), r.pipelines.buffers(device, shown));
             }
             if let Some(b) = r.buffers.get(&shown.key) {
-                let uniforms = self.uniforms(shown, size, screen.pixels_per_point);
+                let uniforms = self.uniforms(shown, size, scale);
                 queue.write_buffer(&b.uniforms, 0, bytemuck::bytes_of(&uniforms));
             }
         }
-        let Some(target) = &r.target else { return Vec::new() };
+    }
+
+    /// Draws into a target.
+    fn draw(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, r: &Resources) {
         let [red, green, blue] = self.ground.map(f64::from);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("viewport"),
@@ -335,20 +372,47 @@ impl CallbackTrait for Frame {
                 }
             }
         }
-        drop(pass);
-        Vec::new()
     }
+}
 
-    fn paint(
-        &self,
-        _: eframe::egui::PaintCallbackInfo,
-        pass: &mut wgpu::RenderPass<'static>,
-        resources: &CallbackResources,
-    ) {
-        let Some(r) = resources.get::<Resources>() else { return };
-        let Some(target) = &r.target else { return };
-        pass.set_pipeline(&r.pipelines.blit);
-        pass.set_bind_group(0, &target.group, &[]);
-        pass.draw(0..3, 0..1);
+/// A picture of a frame, `size` pixels; lines are as wide as at `scale` pixels per point. Rows of r, g, b, a bytes.
+///
+/// # Errors
+/// If the card cannot make pictures so large, or does not give it.
+pub fn picture(state: &egui_wgpu::RenderState, frame: &Frame, size: [u32; 2], scale: f32) -> Result<Vec<u8>, String> {
+    let (device, queue) = (&state.device, &state.queue);
+    let most = device.limits().max_texture_dimension_2d;
+    if size.iter().any(|s| *s == 0 || *s > most) {
+        return Err(format!("{} × {} pixels: this card makes 1 to {most} each way", size[0], size[1]));
     }
+    let mut renderer = state.renderer.write();
+    let r = renderer.callback_resources.get_mut::<Resources>().ok_or("there is no viewport")?;
+    frame.bring(device, queue, size, scale, r);
+    let target = r.pipelines.target(device, size);
+    let mut encoder = device.create_command_encoder(&Default::default());
+    frame.draw(&mut encoder, &target, r);
+    // Rows in a buffer begin at multiples of this.
+    let row = (size[0] * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("picture"),
+        size: u64::from(row) * u64::from(size[1]),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    encoder.copy_texture_to_buffer(
+        target.picture.texture().as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None },
+        },
+        wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+    );
+    queue.submit([encoder.finish()]);
+    let (tell, told) = std::sync::mpsc::channel();
+    buffer.map_async(wgpu::MapMode::Read, .., move |done| drop(tell.send(done)));
+    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| e.to_string())?;
+    told.recv().map_err(|e| e.to_string())?.map_err(|e| e.to_string())?;
+    let bytes = buffer.get_mapped_range(..).map_err(|e| e.to_string())?;
+    let rows = bytes.chunks_exact(row as usize).flat_map(|r| &r[..size[0] as usize * 4]);
+    Ok(rows.copied().collect())
 }

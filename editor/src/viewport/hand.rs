@@ -2,7 +2,7 @@
 
 use super::Camera;
 use crate::model::Model;
-use crate::model::handle::{Handle, handles};
+use crate::model::handle::{Handle, Place, handles, set_weight, weight};
 use crate::theme::Theme;
 use eframe::egui::{
     Area, Color32, DragValue, Frame, Id, Key, Order, Pos2, Rect, Sense, Stroke, Ui, WidgetInfo, WidgetType, vec2,
@@ -60,8 +60,17 @@ impl Hand {
             }
             let chosen = self.chosen.as_ref().is_some_and(|c| c.same(&handle));
             let lit = chosen || response.hovered() || model.selection.contains(&handle.node);
-            let fill = if lit { theme.selected } else { Color32::from_rgb(225, 90, 110) };
-            painter.circle(at, if response.hovered() { 6.5 } else { 5.0 }, fill, Stroke::new(1.5, Color32::WHITE));
+            let divides = matches!(handle.place, Place::Subdivision(_));
+            let plain = if divides { Color32::from_rgb(90, 150, 230) } else { Color32::from_rgb(225, 90, 110) };
+            let fill = if lit { theme.selected } else { plain };
+            let radius = if response.hovered() {
+                6.5
+            } else if divides {
+                3.5
+            } else {
+                5.0
+            };
+            painter.circle(at, radius, fill, Stroke::new(1.5, Color32::WHITE));
             response.on_hover_text(format!(
                 "{}: {:.2}, {:.2}, {:.2} mm\ndrag: in a plane, with X, Y or Z held along that axis, with Shift on a grid",
                 handle.label(),
@@ -70,7 +79,41 @@ impl Hand {
                 handle.at.z
             ));
         }
-        self.typed(ui, area, model) || clicked
+        let weighed = self.weigh(ui, area, camera, model);
+        self.typed(ui, area, model) || clicked || weighed
+    }
+
+    /// A ring around the chosen control point: dragged outwards the point weighs more. True if the pointer is used there.
+    fn weigh(&mut self, ui: &mut Ui, area: Rect, camera: &Camera, model: &mut Model) -> bool {
+        let chosen = self.chosen.as_ref().and_then(|c| self.points.iter().find(|h| h.same(c))).cloned();
+        let Some(handle) = chosen.filter(|_| self.taken.is_none()) else { return false };
+        let Some(weight) = weight(&handle, model.document(), &model.catalog) else { return false };
+        let Some(at) = camera.project(area, handle.at).filter(|at| area.contains(*at)) else { return false };
+        // A weight of 1 is a ring of 22 points; twice the weight is 14 more.
+        let radius = (22.0 + 14.0 * weight.log2() as f32).clamp(12.0, 90.0);
+        let theme = Theme::of(ui);
+        ui.painter_at(area).circle_stroke(at, radius, Stroke::new(1.5, theme.selected));
+        let knob = at + vec2(radius, 0.0);
+        let sense = Rect::from_center_size(knob, vec2(14.0, 14.0));
+        let response = ui.interact(sense, Id::new("weight"), Sense::click_and_drag());
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("weight {}", handle.label())));
+        ui.painter_at(area).circle(knob, 5.0, theme.selected, Stroke::new(1.0, Color32::WHITE));
+        if response.drag_started() {
+            model.begin();
+        }
+        if let (true, Some(pointer)) = (response.dragged(), ui.input(|i| i.pointer.latest_pos())) {
+            let wanted = f64::from((pointer.distance(at) - 22.0) / 14.0).clamp(-8.0, 8.0).exp2();
+            let operation = set_weight(&handle, wanted, model.document()).filter(|_| (wanted - weight).abs() > 1e-3);
+            if let Some(operation) = operation {
+                model.edit(operation);
+            }
+        }
+        if response.drag_stopped() {
+            model.end();
+        }
+        let used = response.hovered() || response.dragged();
+        response.on_hover_text(format!("weight {weight:.3}: drag outwards for more"));
+        used
     }
 
     /// Where the pointer means the point to be: in the plane of two axes that the eye sees best, or along an axis.

@@ -4,15 +4,23 @@ mod analysis;
 mod camera;
 mod gpu;
 mod hand;
+mod paths;
+mod reference;
+mod ruler;
+mod section;
+mod tools;
 
 pub use analysis::Measure;
 pub use camera::{Camera, Standard};
 pub use gpu::install;
+pub use ruler::Ruler;
+pub use section::Clip;
 
 use crate::model::Model;
+use crate::panels::Browse;
 use crate::scene::Kind;
 use crate::theme::Theme;
-use analysis::Colours;
+use analysis::{Colours, Measured};
 use eframe::egui::{
     self, Align2, Color32, FontId, Id, PointerButton, Rect, Response, Sense, Stroke, Ui, WidgetInfo, WidgetType,
 };
@@ -47,6 +55,23 @@ pub struct Viewport {
     /// What is shown in colours.
     pub measure: Option<Measure>,
     colours: Colours,
+    /// Measuring by hand.
+    pub ruler: Ruler,
+    /// The plane that cuts the view open.
+    pub clip: Option<Clip>,
+    section: section::Section,
+    /// Tool paths are shown.
+    pub tool_paths: bool,
+    paths: paths::Paths,
+    /// What stands behind the model.
+    pub references: Vec<reference::Reference>,
+    /// What a file is wanted for.
+    pub wants: Option<Browse>,
+    /// Size of saved pictures, pixels.
+    pub picture_size: [u32; 2],
+    /// The graphics card, and what was drawn last.
+    card: Option<eframe::egui_wgpu::RenderState>,
+    drawn: Option<Frame>,
 }
 
 fn rgb(colour: Color32) -> [f32; 3] {
@@ -56,7 +81,51 @@ fn rgb(colour: Color32) -> [f32; 3] {
 impl Viewport {
     /// After another graph was opened.
     pub fn opened(&mut self) {
-        *self = Self { fit: true, labels: self.labels, measure: self.measure, ..Self::default() };
+        let measure = self.measure.take().filter(|m| !matches!(m, Measure::Numbers(_)));
+        *self = Self {
+            fit: true,
+            labels: self.labels,
+            measure,
+            card: self.card.take(),
+            picture_size: self.picture_size,
+            ..Self::default()
+        };
+    }
+
+    /// Takes the graphics card, for pictures; says what it is.
+    pub fn use_card(&mut self, card: &eframe::egui_wgpu::RenderState) -> String {
+        self.card = Some(card.clone());
+        self.picture_size = [1920, 1080];
+        install(card)
+    }
+
+    /// A picture of what is seen, of any size.
+    ///
+    /// # Errors
+    /// If there is no card, nothing was drawn yet, or the card cannot make it.
+    pub fn picture(&self, size: [u32; 2]) -> Result<image::RgbaImage, String> {
+        let card = self.card.as_ref().ok_or("there are no graphics")?;
+        let drawn = self.drawn.as_ref().ok_or("nothing has been drawn yet")?;
+        let aspect = f64::from(size[0]) / f64::from(size[1].max(1));
+        let frame = Frame { matrix: self.camera.matrix(aspect), ..drawn.clone() };
+        let scale = (size[1] as f32 / drawn.size[1].max(1.0)).max(0.1);
+        let bytes = gpu::picture(card, &frame, size, scale)?;
+        image::RgbaImage::from_raw(size[0], size[1], bytes).ok_or_else(|| "the card gave too little".into())
+    }
+
+    /// Saves a picture of what is seen.
+    ///
+    /// # Errors
+    /// As [`Viewport::picture`], or if the file cannot be written.
+    pub fn picture_to(&self, path: &std::path::Path) -> Result<(), tenon_engine::Diagnostic> {
+        let wrong = |why: String| {
+            let message = format!("{} was not written: {why}", path.display());
+            tenon_engine::Diagnostic::error("unwritable", message)
+        };
+        let picture = self.picture(self.picture_size).map_err(wrong)?;
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        picture.write_to(&mut bytes, image::ImageFormat::Png).map_err(|e| wrong(e.to_string()))?;
+        tenon_nodes::host::output::write_whole(path, bytes.get_ref()).map_err(|e| wrong(e.to_string()))
     }
 
     /// Shows everything, or what is selected, at the next frame.
@@ -78,21 +147,54 @@ impl Viewport {
             self.paint_labels(ui, area, model);
         }
         self.axes(ui, area);
-        if let Some((measure, range)) = self.measured(model) {
-            analysis::legend(&ui.painter_at(area), area, &Theme::of(ui), measure, range);
+        if let Some(measured) = self.measured(model) {
+            analysis::legend(&ui.painter_at(area), area, &Theme::of(ui), &measured);
         }
         let taken = self.hand.show(ui, area, &self.camera, model);
         if response.clicked() && !taken {
-            self.pick(ui, &response, model);
+            if self.ruler.on {
+                self.measure_to(&response, model);
+            } else {
+                self.pick(ui, &response, model);
+            }
         }
+        self.ruler.paint(&ui.painter_at(area), &Theme::of(ui), &self.camera, area);
         self.say_what_is_picked(ui, area, model);
-        self.buttons(ui, area);
+        self.buttons(ui, area, model);
     }
 
     /// What is shown in colours, and from which figure to which.
-    fn measured(&self, model: &Model) -> Option<(Measure, [f64; 2])> {
-        let measure = self.measure?;
-        Some((measure, analysis::range(measure, model.results.drawings.values())?))
+    fn measured(&self, model: &Model) -> Option<Measured> {
+        let measure = self.measure.as_ref()?;
+        let list = match measure {
+            Measure::Numbers(address) => Some(model.results.values.get(&**address)?),
+            _ => None,
+        };
+        Measured::new(measure, &model.results.drawings, list)
+    }
+
+    /// Smallest and largest coordinates of all that is shown.
+    fn bounds(&self, model: &Model) -> Option<[DVec3; 2]> {
+        let all = model.results.drawings.values().map(|d| d.bounds);
+        all.chain(self.references.iter().map(|r| r.drawing.bounds)).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+    }
+
+    /// What a ray meets first of all that is drawn: output, part and place.
+    fn meet(&self, area: Rect, at: egui::Pos2, model: &Model) -> Option<(String, u32, DVec3)> {
+        let (origin, direction) = self.camera.ray(area, at);
+        let seen = |p: DVec3| self.clip.is_none_or(|c| c.side(p) <= 0.0);
+        let all = model.results.drawings.iter();
+        let hits = all.filter_map(|(output, d)| d.pick(origin, direction, seen).map(|h| (output, h)));
+        let (output, (part, along)) = hits.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+        Some((output.clone(), part, origin + direction * along))
+    }
+
+    fn measure_to(&mut self, response: &Response, model: &Model) {
+        let Some(at) = response.interact_pointer_pos() else { return };
+        let Some((output, _, hit)) = self.meet(response.rect, at, model) else { return };
+        let drawing = model.results.drawings.get(&output);
+        let corners = drawing.into_iter().flat_map(|d| &d.triangles).map(|v| DVec3::from(v.position.map(f64::from)));
+        self.ruler.take(Ruler::snapped(&self.camera, response.rect, at, hit, corners));
     }
 
     fn bring_into_view(&mut self, area: Rect, model: &Model) {
@@ -137,7 +239,7 @@ impl Viewport {
                 Kind::Panels => (Color32::from_rgb(226, 190, 140), theme.line),
                 Kind::Mesh => (Color32::from_rgb(160, 176, 190), theme.line),
                 Kind::Curve => (theme.text, Color32::from_rgb(60, 160, 80)),
-                Kind::Points => (theme.text, Color32::from_rgb(220, 80, 100)),
+                Kind::Points | Kind::Paths => (theme.text, Color32::from_rgb(220, 80, 100)),
             };
             let mut line = line;
             if chosen {
@@ -151,29 +253,57 @@ impl Viewport {
                 _ => [1.0, 4.0],
             };
             let picked = self.picked.as_ref().filter(|p| p.output == *output).map(|p| p.part);
-            let colours = self.colours.of(output, drawing, measure, picked);
+            let colours = self.colours.of(output, drawing, measure.as_ref(), picked);
             let open = drawing.kind == Kind::Mesh;
             let (face, line) = (rgb(face), rgb(line));
-            shown.push(Shown { key: output.clone(), drawing: drawing.clone(), face, line, width, colours, open });
+            let (key, drawing) = (output.clone(), drawing.clone());
+            let (coloured_lines, clipped) = (false, true);
+            shown.push(Shown { key, drawing, face, line, width, colours, open, coloured_lines, clipped });
         }
+        self.besides(&theme, model, &mut shown);
         let aspect = f64::from(area.width().max(1.0) / area.height().max(1.0));
         let frame = Frame {
             matrix: self.camera.matrix(aspect),
             eye: self.camera.back(),
             size: [area.width(), area.height()],
             ground: rgb(theme.space),
+            clip: self.clip.map_or([0.0; 4], Clip::plane),
             shown,
         };
+        self.drawn = Some(frame.clone());
         ui.painter().add(eframe::egui_wgpu::Callback::new_paint_callback(area, frame));
+    }
+
+    /// What is drawn besides what nodes make: references, tool paths, the outline of a section.
+    fn besides(&mut self, theme: &Theme, model: &Model, shown: &mut Vec<Shown>) {
+        let plain = |key: String, drawing, line: Color32| Shown {
+            key,
+            drawing,
+            face: rgb(theme.faint),
+            line: rgb(line),
+            width: [1.0, 4.0],
+            colours: Default::default(),
+            open: true,
+            coloured_lines: false,
+            clipped: true,
+        };
+        for r in &self.references {
+            let colours = r.colours.clone();
+            shown.push(Shown { colours, ..plain(format!("behind {}", r.name), r.drawing.clone(), theme.faint) });
+        }
+        if let Some((drawing, colours)) = Some(()).filter(|()| self.tool_paths).and_then(|()| self.paths.of(model)) {
+            shown.push(Shown { colours, coloured_lines: true, ..plain("tool paths".into(), drawing, theme.text) });
+        }
+        let section = self.clip.and_then(|clip| self.section.of(clip, model.results.drawings.values()));
+        if let Some(drawing) = section {
+            let line = plain("section".into(), drawing, theme.error);
+            shown.push(Shown { width: [2.5, 4.0], clipped: false, ..line });
+        }
     }
 
     fn pick(&mut self, ui: &Ui, response: &Response, model: &mut Model) {
         let Some(at) = response.interact_pointer_pos() else { return };
-        let (origin, direction) = self.camera.ray(response.rect, at);
-        let hits =
-            model.results.drawings.iter().filter_map(|(output, d)| d.pick(origin, direction).map(|h| (output, h)));
-        let nearest = hits.min_by(|a, b| a.1.1.total_cmp(&b.1.1));
-        self.picked = nearest.map(|(output, (part, _))| Picked { output: output.clone(), part });
+        self.picked = self.meet(response.rect, at, model).map(|(output, part, _)| Picked { output, part });
         if !ui.input(|i| i.modifiers.shift) {
             model.selection.clear();
         }
@@ -216,46 +346,16 @@ impl Viewport {
         let Some((picked, part)) = part else { return };
         let mut text = format!("{} {}", picked.output, part.label);
         if part.area > 0.0 {
-            for (measure, name) in Measure::ALL {
-                text += &format!(", {name} {}", measure.shown(measure.of(part)));
+            for measure in Measure::ALL {
+                text += &format!(", {} {}", measure.name(), measure.shown(measure.of(part)));
             }
+        }
+        let listed = self.measured(model).filter(|m| matches!(m.measure, Measure::Numbers(_)));
+        if let (Some(m), Some(drawing)) = (listed, model.results.drawings.get(&picked.output)) {
+            let figure = m.figure(drawing, picked.part as usize);
+            text += &format!(", {} {}", m.measure.name(), m.measure.shown(figure));
         }
         let at = egui::pos2(area.left() + 70.0, area.bottom() - 12.0);
         ui.painter_at(area).text(at, Align2::LEFT_BOTTOM, text, FontId::proportional(13.0), Theme::of(ui).text);
-    }
-
-    fn buttons(&mut self, ui: &mut Ui, area: Rect) {
-        let place =
-            Rect::from_min_max(area.min + egui::vec2(6.0, 6.0), egui::pos2(area.right() - 6.0, area.top() + 32.0));
-        let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(place));
-        ui.horizontal(|ui| {
-            ui.style_mut().spacing.item_spacing.x = 3.0;
-            if ui.button("Fit").on_hover_text("Show all, or what is selected (F)").clicked() {
-                self.fit = true;
-            }
-            let views = [
-                ("Top", Standard::Top),
-                ("Front", Standard::Front),
-                ("Right", Standard::Right),
-                ("Corner", Standard::Corner),
-            ];
-            for (words, from) in views {
-                if ui.button(words).clicked() {
-                    self.camera.stand(from);
-                }
-            }
-            let words = if self.camera.orthographic { "Parallel" } else { "Perspective" };
-            if ui.button(words).on_hover_text("Switch between perspective and parallel lines").clicked() {
-                self.camera.orthographic = !self.camera.orthographic;
-            }
-            ui.toggle_value(&mut self.labels, "Addresses");
-            let name = Measure::ALL.iter().find(|m| Some(m.0) == self.measure).map_or("plain", |m| m.1);
-            egui::ComboBox::from_id_salt("measure").selected_text(name).width(90.0).show_ui(ui, |ui| {
-                ui.selectable_value(&mut self.measure, None, "plain");
-                for (measure, name) in Measure::ALL {
-                    ui.selectable_value(&mut self.measure, Some(measure), name);
-                }
-            });
-        });
     }
 }

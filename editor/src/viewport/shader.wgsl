@@ -6,6 +6,8 @@ struct Uniforms {
     eye: vec4<f32>,
     // Width and height of the picture, width of lines and size of points, in pixels.
     pixels: vec4<f32>,
+    // Normal and distance of the plane in front of which nothing is drawn; all 0 for none.
+    clip: vec4<f32>,
 }
 @group(0) @binding(0) var<uniform> u: Uniforms;
 @group(0) @binding(1) var<storage, read> colours: array<u32>;
@@ -14,11 +16,16 @@ struct Face {
     @builtin(position) at: vec4<f32>,
     @location(0) normal: vec3<f32>,
     @location(1) @interpolate(flat) part: u32,
+    @location(2) clipped: f32,
+}
+
+fn clipped(at: vec3<f32>) -> f32 {
+    return dot(u.clip.xyz, at) + u.clip.w;
 }
 
 @vertex
 fn face_vertex(@location(0) at: vec3<f32>, @location(1) normal: vec4<f32>, @location(2) part: u32) -> Face {
-    return Face(u.matrix * vec4(at, 1.0), normal.xyz, part);
+    return Face(u.matrix * vec4(at, 1.0), normal.xyz, part, clipped(at));
 }
 
 fn of_part(part: u32, plain: vec3<f32>) -> vec3<f32> {
@@ -31,6 +38,9 @@ fn of_part(part: u32, plain: vec3<f32>) -> vec3<f32> {
 
 @fragment
 fn face_fragment(in: Face, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    if in.clipped > 0.0 {
+        discard;
+    }
     var n = normalize(in.normal);
     if dot(n, u.eye.xyz) < 0.0 && u.eye.w > 0.5 {
         n = -n;
@@ -44,6 +54,7 @@ struct Stroke {
     @builtin(position) at: vec4<f32>,
     @location(0) place: vec2<f32>,
     @location(1) @interpolate(flat) part: u32,
+    @location(2) clipped: f32,
 }
 
 @vertex
@@ -58,7 +69,7 @@ fn line_vertex(
     // What lies behind the eye is cut off where the eye's plane is.
     let near = 1e-6;
     if a.w < near && b.w < near {
-        return Stroke(vec4(2.0, 2.0, 2.0, 1.0), vec2(0.0), part);
+        return Stroke(vec4(2.0, 2.0, 2.0, 1.0), vec2(0.0), part, 0.0);
     }
     if a.w < near { a = mix(a, b, (near - a.w) / (b.w - a.w)); }
     if b.w < near { b = mix(b, a, (near - b.w) / (a.w - b.w)); }
@@ -66,15 +77,26 @@ fn line_vertex(
     let long = max(length(along), 1e-6);
     let side = vec2(-along.y, along.x) / long * u.pixels.z / u.pixels.xy;
     var end = a;
-    if corner == 2u || corner == 4u || corner == 5u { end = b; }
+    var away = clipped(start);
+    if corner == 2u || corner == 4u || corner == 5u {
+        end = b;
+        away = clipped(stop);
+    }
     var turn = 1.0;
     if corner == 0u || corner == 2u || corner == 4u { turn = -1.0; }
     // A little nearer than the faces that the line belongs to.
-    return Stroke(vec4(end.xy + side * turn * end.w, end.z - 0.000004 * end.w, end.w), vec2(0.0), part);
+    return Stroke(vec4(end.xy + side * turn * end.w, end.z - 0.000004 * end.w, end.w), vec2(0.0), part, away);
 }
 
 @fragment
 fn line_fragment(in: Stroke) -> @location(0) vec4<f32> {
+    // A little beyond, so that the outline of a section is not cut off.
+    if in.clipped > 0.01 {
+        discard;
+    }
+    if u.line.w < 0.5 {
+        return vec4(of_part(in.part, u.line.rgb), 1.0);
+    }
     return vec4(u.line.rgb, 1.0);
 }
 
@@ -85,12 +107,12 @@ fn point_vertex(@builtin(vertex_index) corner: u32, @location(0) at: vec3<f32>) 
     let y = select(-1.0, 1.0, corner == 2u || corner == 4u || corner == 5u);
     let place = vec2(x, y);
     let offset = place * u.pixels.w / u.pixels.xy * centre.w;
-    return Stroke(vec4(centre.xy + offset, centre.z - 0.00001 * centre.w, centre.w), place, 0u);
+    return Stroke(vec4(centre.xy + offset, centre.z - 0.00001 * centre.w, centre.w), place, 0u, clipped(at));
 }
 
 @fragment
 fn point_fragment(in: Stroke) -> @location(0) vec4<f32> {
-    if dot(in.place, in.place) > 1.0 {
+    if dot(in.place, in.place) > 1.0 || in.clipped > 0.01 {
         discard;
     }
     return vec4(u.line.rgb, 1.0);

@@ -1,0 +1,123 @@
+//! The window itself: it never waits, and what it shows besides the graph.
+
+use crate::common::{Window, example, folder, graph};
+use eframe::egui::{Key, Modifiers, vec2};
+use std::time::{Duration, Instant};
+
+/// Twenty-five million sums, one by one.
+const SLOW: &str = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "a": { "type": "series", "v": 1, "params": { "count": 5000 } },
+    "p": { "type": "point", "v": 1, "match": "cross",
+           "inputs": { "x": { "from": ["a.numbers"] }, "y": { "from": ["a.numbers"] } } }
+  }
+}"#;
+
+#[test]
+fn a_slow_node_holds_no_frame_and_escape_stops_it() {
+    let mut w = Window::unsettled(Some(&graph("slow", SLOW)), vec2(1280.0, 800.0));
+    let start = Instant::now();
+    w.steps(5);
+    assert!(!w.app().model.settled(), "it takes seconds");
+    // Meanwhile the document is worked on.
+    w.app().model.selection = ["a".to_owned()].into();
+    w.key(Modifiers::COMMAND, Key::D);
+    assert!(w.app().model.document().nodes().contains_key("a-2"));
+    w.app().model.undo();
+    while !w.app().model.is_running() {
+        assert!(start.elapsed() < Duration::from_secs(60), "it never begins");
+        w.steps(1);
+    }
+    w.key(Modifiers::NONE, Key::Escape);
+    while !w.app().model.settled() {
+        assert!(start.elapsed() < Duration::from_secs(120), "it does not stop");
+        std::thread::sleep(Duration::from_millis(5));
+        w.steps(1);
+    }
+    assert!(w.app().model.results.cancelled, "it was stopped, not finished");
+    w.steps(2);
+    assert!(w.has("stopped; F5 runs it again"));
+}
+
+#[test]
+fn pieces_are_a_table_that_is_sorted_and_picks_panels() {
+    let mut w = Window::open(Some(&example("shell-256")));
+    w.click(w.first("Pieces").center());
+    assert!(w.has("sort by time"));
+    w.click(w.rect("sort by area m²").center());
+    w.click(w.rect("sort by area m²").center());
+    w.picture("pieces");
+    let first = w.first_containing("piece ");
+    w.click(first.center());
+    let picked = w.app().viewport.picked.clone().expect("a piece is a panel");
+    let parts = &w.app().model.results.drawings["thicken.panels"].parts;
+    let largest = parts.iter().map(|p| p.area).fold(0.0, f64::max);
+    assert!((parts[picked.part as usize].area - largest).abs() < 1.0, "the largest comes first");
+    // Parts take time at the machine, all of it that programs take but for changes between them.
+    let plays = w.app().boards.plays();
+    let times = plays[0].time_of_parts();
+    let sum: f64 = times.values().sum();
+    assert!(times.len() > 50 && (sum - plays[0].length()).abs() < 1e-6, "{} parts, {sum} s", times.len());
+}
+
+#[test]
+fn what_a_proof_has_found_is_marked_on_the_board() {
+    let dir = example("shell-256");
+    let file = dir.join("shell-256.tenon.json");
+    // Tools that go over the edges of parts by no tenth of a millimetre leave stock standing.
+    let text = std::fs::read_to_string(&file).unwrap();
+    let text = text.replace(
+        "\"type\": \"prove\"",
+        "\"params\": { \"leftover\": 0.000001, \"gouge\": 0.000001 },\n      \"type\": \"prove\"",
+    );
+    std::fs::write(&file, text).unwrap();
+    let mut w = Window::open(Some(&dir));
+    w.click(w.rect("Boards").center());
+    let faults = w.app().boards.player.faults.clone();
+    assert!(!faults.is_empty(), "{:?}", w.app().model.results.diagnostics);
+    assert!(faults.iter().any(|f| f.at.is_some()));
+    w.picture("faults");
+}
+
+#[test]
+fn the_examples_and_the_tour_are_offered_to_newcomers() {
+    let mut w = Window::open(None);
+    let ctx = w.harness.ctx.clone();
+    let state = folder("newcomer");
+    w.app().remember_in(&ctx, Some(state.clone()));
+    w.steps(2);
+    assert!(w.has("shell-256"), "the examples are shown");
+    w.picture("gallery");
+    w.key(Modifiers::NONE, Key::Escape);
+    w.click(w.rect("Help").center());
+    w.click(w.rect("Tour of three steps").center());
+    w.settle();
+    assert!(w.app().model.document().nodes().contains_key("thicken"));
+    assert!(w.has("Step 1 of 3"));
+    w.picture("tour");
+    for _ in 0..2 {
+        w.click(w.rect("Next").center());
+    }
+    w.click(w.rect("Done").center());
+    let kept = std::fs::read_to_string(state.join("preferences.json")).unwrap();
+    assert!(kept.contains("\"toured\": true"), "{kept}");
+    w.app().remember_in(&ctx, Some(state));
+    w.steps(2);
+    assert!(!w.has("Step 1 of 3"));
+}
+
+#[test]
+fn very_small_and_very_large_windows_are_drawn() {
+    let dir = example("quad-mesh");
+    for size in [vec2(640.0, 480.0), vec2(7680.0, 4320.0)] {
+        let mut w = Window::sized(Some(&dir), size);
+        let canvas = w.rect("canvas");
+        assert!(canvas.width() > size.x * 0.3 && canvas.max.x <= size.x && canvas.max.y <= size.y);
+        let picture = w.harness.render().unwrap();
+        assert_eq!([picture.width() as f32, picture.height() as f32], [size.x, size.y]);
+        let first = *picture.get_pixel(0, 0);
+        assert!(picture.pixels().any(|p| *p != first));
+    }
+}
