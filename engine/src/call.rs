@@ -73,22 +73,16 @@ impl<'a> Call<'a> {
     /// # Errors
     /// If an optional port has no value, or the node asks for another type than it declared.
     pub fn item<T: Item>(&self, port: &str) -> Result<&'a T, Fail> {
-        let column = match self.arg(port)? {
-            Arg::Item(column, rule) => {
-                let i = self.lanes.index(self.lane, rule);
-                return column.get(i).ok_or_else(|| {
-                    if column.slice::<T>().is_none() {
-                        self.wrong::<T>(port, column.type_name())
-                    } else {
-                        Self::missing(port)
-                    }
-                });
-            }
+        let (column, i) = match self.arg(port)? {
+            Arg::One(column) => (column, 0),
+            Arg::Item(column, rule) => (column, self.lanes.index(self.lane, rule)),
             Arg::Missing => return Err(Self::missing(port)),
-            Arg::List(column) => column,
+            Arg::List(column) => return column.get(0).ok_or_else(|| Self::missing(port)),
             Arg::Tree(tree) => return tree.first().ok_or_else(|| Self::missing(port)),
         };
-        column.get(0).ok_or_else(|| Self::missing(port))
+        column.get(i).ok_or_else(|| {
+            if column.slice::<T>().is_none() { self.wrong::<T>(port, column.type_name()) } else { Self::missing(port) }
+        })
     }
 
     /// The item at `port`, if it has a value.
@@ -135,7 +129,7 @@ impl<'a> Call<'a> {
     /// If the node has no such port.
     pub fn column(&self, port: &str) -> Result<Column, Fail> {
         match self.arg(port)? {
-            Arg::List(column) => Ok((*column).clone()),
+            Arg::One(column) | Arg::List(column) => Ok((*column).clone()),
             Arg::Item(column, rule) => Ok(column.pick(&[Some(self.lanes.index(self.lane, rule))])),
             Arg::Missing => Ok((self.empty(port))()),
             Arg::Tree(tree) => Ok(tree.branches().first().map_or_else(|| (self.empty(port))(), |(_, c)| c.clone())),
@@ -155,7 +149,9 @@ impl<'a> Call<'a> {
         let column = match self.arg(port)? {
             Arg::Missing => return Ok(&[]),
             Arg::List(column) => column,
-            Arg::Item(..) | Arg::Tree(_) => return Err(bug(self.node_type, format!("\"{port}\" is not a list port"))),
+            Arg::One(_) | Arg::Item(..) | Arg::Tree(_) => {
+                return Err(bug(self.node_type, format!("\"{port}\" is not a list port")));
+            }
         };
         if let Some(gap) = column.has_gaps().then(|| (0..column.len()).find(|i| !column.is_valid(*i))).flatten() {
             let message = format!("item {gap} of \"{port}\" is missing because it failed upstream");

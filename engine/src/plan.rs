@@ -6,6 +6,7 @@ pub(crate) mod define;
 mod expand;
 mod formula;
 mod order;
+pub(crate) mod texts;
 
 use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
 use crate::document::link::join;
@@ -19,6 +20,7 @@ use expand::{Flat, FlatNode, Given, Instance};
 use formula::Formula;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
+use texts::Texts;
 
 /// A node type with narrower ranges: ports and the bits of both ends.
 type Narrowed<'a> = (u32, Vec<(&'a str, u64, u64)>);
@@ -32,12 +34,24 @@ pub(crate) enum Slot {
     Missing,
     Default,
     Literal(u32),
-    /// A range of `wires` and an index into `shapes`.
-    Wires {
-        from: u32,
-        to: u32,
-        shape: u32,
-    },
+    /// One wire, from this output slot, whose tree arrives as it is.
+    Wire(u32),
+    /// An index into `bundles`.
+    Wires(u32),
+}
+
+impl Slot {
+    pub fn is_wired(self) -> bool {
+        matches!(self, Self::Wire(_) | Self::Wires(_))
+    }
+}
+
+/// Several wires into one input, or one whose tree is changed.
+struct Bundle {
+    /// A range of `wires`.
+    from: u32,
+    to: u32,
+    shape: Vec<TreeOp>,
 }
 
 pub(crate) struct PlanNode {
@@ -56,19 +70,18 @@ pub(crate) struct PlanNode {
 
 /// A document made ready to run.
 pub(crate) struct Plan {
-    pub ids: Arc<Vec<Arc<str>>>,
+    pub ids: Arc<Texts>,
     pub nodes: Vec<PlanNode>,
     pub types: Vec<Arc<NodeType>>,
     /// Their names.
-    pub type_names: Arc<Vec<Arc<str>>>,
+    pub type_names: Arc<Texts>,
     slots: Vec<Slot>,
-    /// Output slot that each wire comes from.
+    bundles: Vec<Bundle>,
+    /// Output slots that the wires of bundles come from.
     wires: Vec<u32>,
     /// Node that each output slot belongs to.
     pub output_node: Vec<u32>,
     pub literals: Vec<Tree>,
-    /// Tree operations of inputs, each list once; 0 is none.
-    shapes: Vec<Vec<TreeOp>>,
     successors: Vec<u32>,
     pub levels: usize,
     /// Errors and warnings of nodes; the port, if it is one parameter's fault that setting it would mend.
@@ -88,7 +101,7 @@ impl Plan {
     pub fn compile(document: &Document, registry: &Registry) -> Self {
         let flat = Flat::expand(document);
         let mut plan = Self {
-            ids: Arc::new(flat.nodes.iter().map(|node| Arc::from(&*node.path)).collect()),
+            ids: Arc::new(flat.nodes.iter().map(|node| &node.path).collect()),
             nodes: Vec::with_capacity(flat.nodes.len()),
             types: Vec::new(),
             type_names: Arc::default(),
@@ -96,7 +109,7 @@ impl Plan {
             wires: Vec::new(),
             output_node: Vec::new(),
             literals: Vec::new(),
-            shapes: vec![Vec::new()],
+            bundles: Vec::new(),
             successors: Vec::new(),
             levels: 0,
             errors: BTreeMap::new(),
@@ -108,12 +121,13 @@ impl Plan {
         plan.place_nodes(&flat, registry);
         plan.connect(&flat, registry);
         flat.finish(&mut plan);
-        plan.type_names = Arc::new(plan.types.iter().map(|t| t.type_name.clone()).collect());
+        plan.type_names = Arc::new(plan.types.iter().map(|t| &t.type_name).collect());
         plan.order();
         plan.compute_formulas(document);
         plan.check_interface(document);
         // They grew by doubling; a plan stays as it is for long.
         plan.slots.shrink_to_fit();
+        plan.bundles.shrink_to_fit();
         plan.wires.shrink_to_fit();
         plan.output_node.shrink_to_fit();
         plan.literals.shrink_to_fit();
@@ -219,7 +233,6 @@ impl Plan {
     }
 
     fn connect(&mut self, flat: &Flat<'_>, registry: &Registry) {
-        let mut shapes: HashMap<Vec<TreeOp>, u32> = HashMap::from([(Vec::new(), 0)]);
         let mut shared = HashMap::new();
         for (n, at) in flat.nodes.iter().enumerate() {
             let Some(t) = self.types.get(self.nodes[n].node_type as usize).cloned() else { continue };
@@ -237,7 +250,7 @@ impl Plan {
                         {
                             self.nodes[n].matching = matching;
                         }
-                        self.place_wires((n, p), wires, scope, flat, registry, &mut shapes);
+                        self.place_wires((n, p), wires, scope, flat, registry);
                     }
                 }
             }
@@ -276,7 +289,7 @@ impl Plan {
                 self.literals.push(tree);
             }
             Err(fail) => {
-                let id = self.ids[n].clone();
+                let id = self.ids[n].to_owned();
                 self.error(n, Some(p as u32), fail.at(Severity::Error, &id));
             }
         }
@@ -289,9 +302,8 @@ impl Plan {
         scope: u32,
         flat: &Flat<'a>,
         registry: &Registry,
-        shapes: &mut HashMap<Vec<TreeOp>, u32>,
     ) {
-        let (t, id) = (self.types[self.nodes[n].node_type as usize].clone(), self.ids[n].clone());
+        let (t, id) = (self.types[self.nodes[n].node_type as usize].clone(), self.ids[n].to_owned());
         let port = &t.inputs[p];
         let from = self.wires.len() as u32;
         let mut seen = HashSet::new();
@@ -317,13 +329,16 @@ impl Plan {
         }
         let to = self.wires.len() as u32;
         if to > from {
-            let next = shapes.len() as u32;
-            let shape = *shapes.entry(wires.more.tree.clone()).or_insert(next);
-            if shape == next {
-                self.shapes.push(wires.more.tree.clone());
-            }
             let at = self.nodes[n].slots as usize + p;
-            self.slots[at] = Slot::Wires { from, to, shape };
+            self.slots[at] = if to == from + 1
+                && wires.more.tree.is_empty()
+                && let Some(source) = self.wires.pop()
+            {
+                Slot::Wire(source)
+            } else {
+                self.bundles.push(Bundle { from, to, shape: wires.more.tree.clone() });
+                Slot::Wires(self.bundles.len() as u32 - 1)
+            };
             // The wire overrules the literal, so the literal's faults do not matter.
             self.mend(n, p as u32);
         }
@@ -348,7 +363,7 @@ impl Plan {
         let (name, output) = flat.source(scope, address)?;
         let (name, address) = (&*name, flat.path(scope, address));
         let Some(n) = self.find(name) else {
-            let hint = did_you_mean(name, self.ids.iter().take(10_000).map(|i| &**i));
+            let hint = did_you_mean(name, self.ids.iter().take(10_000));
             let message = format!("the wire comes from \"{address}\", but there is no node \"{name}\"");
             return Err(Some(Diagnostic::error("unknown-source", message).maybe_hint(hint)));
         };
@@ -390,7 +405,7 @@ impl Plan {
         let at = self.nodes[n].slots as usize + port;
         let default = self.node_type(n).is_some_and(|t| t.defaults.get(port).is_some_and(Option::is_some));
         match (self.slots[at], tree) {
-            (Slot::Wires { .. }, _) => return,
+            (Slot::Wire(_) | Slot::Wires(_), _) => return,
             (Slot::Literal(l), Some(tree)) => self.literals[l as usize] = tree,
             (_, Some(tree)) => {
                 self.slots[at] = Slot::Literal(self.literals.len() as u32);
@@ -401,20 +416,21 @@ impl Plan {
         self.mend(n, port as u32);
     }
 
-    pub fn wire_sources(&self, from: u32, to: u32) -> &[u32] {
-        &self.wires[from as usize..to as usize]
-    }
-
-    pub fn shape(&self, shape: u32) -> &[TreeOp] {
-        &self.shapes[shape as usize]
+    /// Output slots that wires into an input come from, and what is done to what arrives; none without wires.
+    pub fn wires<'a>(&'a self, slot: &'a Slot) -> (&'a [u32], &'a [TreeOp]) {
+        match slot {
+            Slot::Wire(source) => (std::slice::from_ref(source), &[]),
+            Slot::Wires(bundle) => {
+                let bundle = &self.bundles[*bundle as usize];
+                (&self.wires[bundle.from as usize..bundle.to as usize], &bundle.shape)
+            }
+            Slot::Missing | Slot::Default | Slot::Literal(_) => (&[], &[]),
+        }
     }
 
     /// Output slots that come in by wire.
     pub fn node_wires(&self, n: usize) -> impl Iterator<Item = u32> {
-        self.node_slots(n).iter().flat_map(|slot| match slot {
-            Slot::Wires { from, to, .. } => self.wire_sources(*from, *to).iter().copied(),
-            _ => [].iter().copied(),
-        })
+        self.node_slots(n).iter().flat_map(|slot| self.wires(slot).0.iter().copied())
     }
 
     /// Nodes that it depends on; one may come several times.
@@ -441,7 +457,7 @@ impl Plan {
 
     /// A required input of a node without any value.
     pub fn missing_diagnostic(&self, n: usize, port: &str) -> Diagnostic {
-        let id = &*self.ids[n];
+        let id = &self.ids[n];
         let message = format!("\"{port}\" has neither a wire nor a value");
         let hint = match self.entrance(id, port) {
             Some(outer) => format!("connect a wire to {outer} or set it"),

@@ -4,7 +4,8 @@
 use super::gather::Files;
 use super::matching::Outcome;
 use super::report::{Event, Happened, Row};
-use super::session::{NodeRun, Session, Status};
+use super::session::Session;
+use super::state::{NodeRun, Status, Told, Value};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::document::model::NodeState;
 use crate::value::Tree;
@@ -16,10 +17,14 @@ pub(super) const SMALL: usize = 512;
 
 /// One evaluation under way.
 pub(crate) struct Evaluation {
-    /// What nodes were before this evaluation touched them.
-    pub undo: Vec<(u32, NodeRun)>,
-    /// And what came out of them, in the same order.
-    pub undo_outputs: Vec<(Option<Tree>, u128)>,
+    /// The nodes that this evaluation touched.
+    pub undo: Vec<u32>,
+    /// What they were before, in the same order.
+    pub undo_runs: Vec<NodeRun>,
+    /// What came out of them, in the same order.
+    pub undo_outputs: Vec<Value>,
+    /// What those of them had to say that had or have something to say.
+    pub undo_told: Vec<(u32, Option<Told>)>,
     pub reports: Vec<Row>,
     pub files: Files,
     /// Length of the event log before.
@@ -45,8 +50,8 @@ impl Session {
         let outputs = outcome.outputs.into_vec().into_boxed_slice();
         let status = if outcome.failed { Status::Failed } else { Status::Good };
         self.events.push(if outcome.failed { Event::Failed(n) } else { Event::Executed(n) });
-        let run = NodeRun { key, reports: reports.clone(), status, blocked_by: n, ..NodeRun::default() };
-        if !self.publish(n, run, &outputs, e) {
+        let told = Told::of(status, n, reports.clone());
+        if !self.publish(n, NodeRun::new(key, status), told, &outputs, e) {
             self.events.push(Event::CutOff(n));
         }
         if !outcome.panicked && !self.is_cheap(i) {
@@ -77,13 +82,20 @@ impl Session {
 
     /// Small results of a node that costs less than remembering them; of those in place.
     fn is_cheap(&self, i: usize) -> bool {
-        let bytes = || self.outputs(i).iter().flatten().map(Tree::bytes).sum::<usize>();
+        let bytes = || self.outputs(i).iter().map(Value::bytes).sum::<usize>();
         self.plan.node_type(i).is_some_and(|t| t.cheap) && bytes() <= SMALL
     }
 
     /// Puts a node's new result in place and wakes its successors if it is another than before.
-    pub(super) fn publish(&mut self, n: u32, run: NodeRun, outputs: &[Tree], e: &mut Evaluation) -> bool {
-        self.publish_each(n, run, |o| outputs.get(o).cloned(), e)
+    pub(super) fn publish(
+        &mut self,
+        n: u32,
+        run: NodeRun,
+        told: Option<Told>,
+        outputs: &[Tree],
+        e: &mut Evaluation,
+    ) -> bool {
+        self.publish_each(n, run, told, |o| outputs.get(o).cloned().into(), e)
     }
 
     /// As [`Session::publish`], with nothing at some outputs; they are asked for in order.
@@ -91,7 +103,8 @@ impl Session {
         &mut self,
         n: u32,
         mut run: NodeRun,
-        mut output: impl FnMut(usize) -> Option<Tree>,
+        told: Option<Told>,
+        mut output: impl FnMut(usize) -> Value,
         e: &mut Evaluation,
     ) -> bool {
         let i = n as usize;
@@ -99,22 +112,25 @@ impl Session {
         let old = &self.nodes[i];
         (run.needed, run.wanted, run.dirty) = (old.needed, old.wanted, false);
         run.present = run.status == Status::Good;
-        let mut changed =
-            old.status != run.status || (run.status == Status::Blocked && old.blocked_by != run.blocked_by);
+        let mut changed = old.status != run.status;
         for o in 0..count {
-            let tree = output(o);
-            let digest = tree.as_ref().map_or(0, Tree::digest);
-            changed |= digest != self.digests[from + o];
-            let old = std::mem::replace(&mut self.values[from + o], tree);
-            e.undo_outputs.push((old, std::mem::replace(&mut self.digests[from + o], digest)));
+            let old = std::mem::replace(&mut self.values[from + o], output(o));
+            changed |= old != self.values[from + o];
+            e.undo_outputs.push(old);
         }
-        if run.reports.is_some() || run.status != Status::Good {
-            self.vocal.insert(n);
-        } else if !self.vocal.is_empty() {
-            self.vocal.remove(&n);
+        if told.is_some() || !self.told.is_empty() {
+            let by = |told: &Option<Told>| told.as_ref().and_then(|t| t.blocked_by);
+            let now = by(&told);
+            let old = match told {
+                Some(told) => self.told.insert(n, told),
+                None => self.told.remove(&n),
+            };
+            changed |= run.status == Status::Blocked && by(&old) != now;
+            e.undo_told.push((n, old));
         }
-        let old = std::mem::replace(&mut self.nodes[i], run);
-        e.undo.push((n, old));
+        e.undo.push(n);
+        e.undo_runs.push(self.nodes[i]);
+        self.nodes[i] = run;
         if changed {
             for at in 0..self.plan.successors(i).len() {
                 let s = self.plan.successors(i)[at];
@@ -135,16 +151,19 @@ impl Session {
         let i = n as usize;
         let outputs = self.outputs(i);
         let digest = match outputs {
-            [one] => one.as_ref().map_or(0, Tree::digest),
+            [one] if one.tree().is_none() => 0,
+            [one] => one.digest(),
+            many if many.iter().all(|v| v.tree().is_none()) => 0,
             many => {
                 let mut d = crate::Digester::new();
-                many.iter().for_each(|t| d.u128(t.as_ref().map_or(0, Tree::digest)));
-                if many.iter().any(Option::is_some) { d.finish() } else { 0 }
+                many.iter().for_each(|v| d.u128(v.digest()));
+                d.finish()
             }
         };
         let node_type = self.plan.nodes[i].node_type;
-        let bytes = outputs.iter().flatten().map(Tree::bytes).sum();
-        e.reports.push(Row { node: n, node_type, happened, time, bytes, digest });
+        let bytes = outputs.iter().map(Value::bytes).sum();
+        let time = time.as_nanos() as f32;
+        e.reports.push(Row { node: n, node_type, time, happened, bytes, digest: digest.into() });
     }
 
     /// Restores everything that this evaluation changed; what it computed stays remembered.
@@ -152,20 +171,20 @@ impl Session {
         let mut again = dirty_before;
         self.queue.drain(&mut again);
         let mut outputs = e.undo_outputs;
-        for (n, run) in e.undo.into_iter().rev() {
+        for (n, run) in e.undo.into_iter().zip(e.undo_runs).rev() {
             let i = n as usize;
             let (from, count) = (self.plan.nodes[i].outputs as usize, self.plan.nodes[i].output_count as usize);
-            for (o, (value, digest)) in outputs.drain(outputs.len() - count..).enumerate() {
+            for (o, value) in outputs.drain(outputs.len() - count..).enumerate() {
                 self.values[from + o] = value;
-                self.digests[from + o] = digest;
-            }
-            if run.reports.is_some() || !matches!(run.status, Status::Good | Status::New) {
-                self.vocal.insert(n);
-            } else {
-                self.vocal.remove(&n);
             }
             self.nodes[i] = run;
             again.push(n);
+        }
+        for (n, told) in e.undo_told.into_iter().rev() {
+            match told {
+                Some(told) => self.told.insert(n, told),
+                None => self.told.remove(&n),
+            };
         }
         // Some of these were made dirty by changes that are taken back: looking at them once more costs little.
         again.extend((0..self.nodes.len() as u32).filter(|n| self.nodes[*n as usize].dirty));
@@ -186,7 +205,12 @@ impl Session {
             let run = &self.nodes[i];
             let goal = self.goals.as_ref().is_some_and(|g| g.binary_search(&(i as u32)).is_ok());
             let frozen = self.plan.nodes[i].state == NodeState::Frozen;
-            if !run.present || goal || frozen || self.plan.nodes[i].output_count == 0 || self.memo.contains(run.key) {
+            if !run.present
+                || goal
+                || frozen
+                || self.plan.nodes[i].output_count == 0
+                || self.memo.contains(run.key.into())
+            {
                 continue;
             }
             if self.is_cheap(i) {
@@ -196,14 +220,16 @@ impl Session {
             self.nodes[i].present = false;
             self.nodes[i].wanted = false;
             let node = &self.plan.nodes[i];
-            self.values[node.outputs as usize..(node.outputs + node.output_count) as usize].fill(None);
+            self.values[node.outputs as usize..(node.outputs + node.output_count) as usize]
+                .iter_mut()
+                .for_each(Value::drop_tree);
             self.events.push(Event::Evicted(i as u32));
         }
     }
 
     /// Everything that the nodes which are needed have to say, in order of node ids.
     pub(super) fn tell(&self, diagnostics: &mut Vec<Diagnostic>) {
-        let mut nodes: Vec<u32> = self.vocal.iter().copied().collect();
+        let mut nodes: Vec<u32> = self.told.keys().copied().collect();
         nodes.extend(self.plan.nodes_with_errors().map(|n| n as u32));
         nodes.sort_unstable();
         nodes.dedup();
@@ -218,13 +244,16 @@ impl Session {
             }
             let id = &self.plan.ids[i];
             diagnostics.extend(self.plan.errors(i).cloned());
-            diagnostics
-                .extend(run.reports.iter().flat_map(|r| r.iter()).map(|(severity, fail)| fail.at(*severity, id)));
+            let told = self.told.get(&n);
+            let reports = told.iter().filter_map(|t| t.reports.as_ref()).flat_map(|r| r.iter());
+            diagnostics.extend(reports.map(|(severity, fail)| fail.at(*severity, id)));
             if run.status == Status::Failed && self.plan.is_sound(i) {
                 diagnostics.extend(self.plan.missing(i).map(|port| self.plan.missing_diagnostic(i, port)));
             }
-            if run.status == Status::Blocked && run.blocked_by != n {
-                let by = run.blocked_by as usize;
+            if run.status == Status::Blocked
+                && let Some(by) = told.and_then(|t| t.blocked_by).filter(|by| *by != n)
+            {
+                let by = by as usize;
                 let (why, severity) = match self.plan.nodes[by].state {
                     NodeState::Disabled => (", which is disabled", Severity::Warning),
                     NodeState::Bypassed if self.nodes[by].status == Status::Good => {
@@ -232,8 +261,8 @@ impl Session {
                     }
                     _ => ("", Severity::Note),
                 };
-                let message = format!("blocked by {}{why}", self.plan.ids[by]);
-                diagnostics.push(Diagnostic::error("blocked", message).with_severity(severity).at(&**id));
+                let message = format!("blocked by {}{why}", &self.plan.ids[by]);
+                diagnostics.push(Diagnostic::error("blocked", message).with_severity(severity).at(id));
             }
         }
     }

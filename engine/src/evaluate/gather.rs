@@ -1,67 +1,57 @@
 //! What arrives at a node: wires merged, items converted, trees reshaped, files read; and the key that all of it makes.
 
 use super::matching::{FileRead, Input, Matching};
+use super::state::Value;
 use crate::diagnostic::{Fail, Severity};
 use crate::document::model::TreeOp;
 use crate::plan::{Plan, Slot};
 use crate::port::Port;
 use crate::registry::{NodeType, Registry};
 use crate::stop::Stoppable;
-use crate::value::{Column, Digester, Path, Text, Tree, digest_bytes};
+use crate::value::digest::Mixer;
+use crate::value::{Column, Path, Text, Tree, digest_bytes};
+use std::any::TypeId;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 /// Values by output slot, as far as they are in memory.
-pub(crate) type Values = [Option<Tree>];
+pub(crate) type Values = [Value];
 
 /// Files read in one evaluation, so that two nodes see the same content.
 pub(crate) type Files = HashMap<Arc<str>, FileRead>;
 
+/// Words of a key that are no digests.
+const MISSING: u128 = 1;
+const BUNDLE: u128 = 2;
+const UNREAD: u128 = 3;
+
 /// The cache key: node type, version, matching, and per port what comes in. No value is touched, only digests.
-pub(crate) fn key(plan: &Plan, n: usize, digests: &[u128], files: &[(usize, Vec<Vec<FileRead>>)]) -> u128 {
+pub(crate) fn key(plan: &Plan, n: usize, values: &Values, files: &[(usize, Vec<Vec<FileRead>>)]) -> u128 {
     let node = &plan.nodes[n];
     let Some(t) = plan.node_type(n) else { return 0 };
-    let mut d = Digester::new();
-    d.u128(t.digest);
-    d.u8(node.matching as u8);
+    let mut d = Mixer::new(t.digest ^ u128::from(node.matching as u8));
     for (p, slot) in plan.node_slots(n).iter().enumerate() {
         match slot {
-            Slot::Missing => d.u8(0),
-            // A default and the same value written out are the same input.
-            Slot::Default => {
-                d.u8(1);
-                d.u128(t.defaults[p].as_ref().map_or(0, Tree::digest));
-            }
-            Slot::Literal(l) => {
-                d.u8(1);
-                d.u128(plan.literals[*l as usize].digest());
-            }
-            Slot::Wires { from, to, shape } => {
-                let sources = plan.wire_sources(*from, *to);
-                let shape = plan.shape(*shape);
-                if let ([one], []) = (sources, shape) {
-                    d.u8(1);
-                    d.u128(digests[*one as usize]);
-                    continue;
-                }
-                d.u8(2);
-                d.u32(sources.len() as u32);
-                sources.iter().for_each(|s| d.u128(digests[*s as usize]));
-                d.u32(shape.len() as u32);
-                shape.iter().for_each(|op| d.u8(*op as u8));
+            Slot::Missing => d.feed(MISSING),
+            // A default, the same value written out and the same by wire are the same input.
+            Slot::Default => d.feed(t.defaults[p].as_ref().map_or(0, Tree::digest)),
+            Slot::Literal(l) => d.feed(plan.literals[*l as usize].digest()),
+            Slot::Wire(source) => d.feed(values[*source as usize].digest()),
+            Slot::Wires(_) => {
+                let (sources, shape) = plan.wires(slot);
+                d.feed(BUNDLE | (sources.len() as u128) << 8 | (shape.len() as u128) << 64);
+                sources.iter().for_each(|s| d.feed(values[*s as usize].digest()));
+                shape.iter().for_each(|op| d.feed(*op as u128));
             }
         }
     }
     for read in files.iter().flat_map(|(_, branches)| branches.iter().flatten()) {
         match read {
-            Ok(bytes) => {
-                d.u8(1);
-                d.u128(digest_bytes(bytes));
-            }
+            Ok(bytes) => d.feed(digest_bytes(bytes)),
             Err(why) => {
-                d.u8(0);
-                d.str(why);
+                d.feed(UNREAD);
+                d.feed(digest_bytes(why.as_bytes()));
             }
         }
     }
@@ -78,24 +68,27 @@ pub(crate) fn tree<'a>(
     reports: &mut Vec<(Severity, Fail)>,
 ) -> Result<Option<Cow<'a, Tree>>, Fail> {
     let Some(t) = plan.node_type(n) else { return Ok(None) };
-    let (from, to, shape) = match plan.slot(n, p) {
+    let slot = &plan.node_slots(n)[p];
+    match slot {
         Slot::Missing => return Ok(None),
         Slot::Default => return Ok(t.defaults[p].as_ref().map(Cow::Borrowed)),
-        Slot::Literal(l) => return Ok(plan.literals.get(l as usize).map(Cow::Borrowed)),
-        Slot::Wires { from, to, shape } => (from, to, shape),
-    };
+        Slot::Literal(l) => return Ok(plan.literals.get(*l as usize).map(Cow::Borrowed)),
+        Slot::Wire(_) | Slot::Wires(_) => {}
+    }
+    let (sources, shape) = plan.wires(slot);
     let port = &t.inputs[p];
     let gone = || Fail::new("engine-fault", format!("the value for \"{}\" is not in memory", port.name));
     let mut arrive = |source: &u32| {
-        let tree = values[*source as usize].as_ref().ok_or_else(gone)?;
+        let tree = values[*source as usize].tree().ok_or_else(gone)?;
         convert(tree, port, registry, reports)
     };
-    let mut tree = match plan.wire_sources(from, to) {
+    let mut tree = match sources {
         [] => return Ok(None),
         [one] => arrive(one)?,
+        many if let Some(numbers) = numbers(many, port, values) => Cow::Owned(numbers),
         many => Cow::Owned(merge(&many.iter().map(arrive).collect::<Result<Vec<_>, Fail>>()?, port)?),
     };
-    for op in plan.shape(shape) {
+    for op in shape {
         tree = Cow::Owned(match op {
             TreeOp::Graft => tree.graft(),
             TreeOp::Flatten => tree.flatten(),
@@ -116,7 +109,7 @@ pub(crate) fn passed(
     reports: &mut Vec<(Severity, Fail)>,
 ) -> Result<Vec<Option<Tree>>, Fail> {
     let Some(t) = plan.node_type(n) else { return Ok(Vec::new()) };
-    let wired = |p: &usize| matches!(plan.slot(n, *p), Slot::Wires { .. });
+    let wired = |p: &usize| plan.slot(n, *p).is_wired();
     let mut free: Vec<usize> = (0..t.inputs.len()).filter(wired).collect();
     let mut outputs = Vec::with_capacity(t.outputs.len());
     for output in &t.outputs {
@@ -162,6 +155,15 @@ pub(crate) fn convert<'a>(
         branches.push((path.clone(), converted));
     }
     Ok(Cow::Owned(Tree::from_branches(branches)))
+}
+
+/// Many wires that bring a number each into a port that takes numbers, as they often do: one list, and no tree in between.
+fn numbers(sources: &[u32], port: &Port, values: &Values) -> Option<Tree> {
+    if port.item_type.id.is_some_and(|id| id != TypeId::of::<f64>()) {
+        return None;
+    }
+    let all: Option<Vec<f64>> = sources.iter().map(|s| values[*s as usize].tree()?.as_number()).collect();
+    all.map(Tree::list)
 }
 
 /// Many wires into one port: branches of the same path append in the order of the wires. O(n log n) in branches.
@@ -224,10 +226,8 @@ pub(crate) fn simple<'a>(
         Slot::Missing => Some((None, false)),
         Slot::Default => Some((t.defaults.get(p)?.as_ref(), false)),
         Slot::Literal(l) => Some((Some(plan.literals.get(*l as usize)?), false)),
-        Slot::Wires { from, to, shape } => match (plan.wire_sources(*from, *to), plan.shape(*shape)) {
-            ([one], []) => Some((Some(values[*one as usize].as_ref()?), true)),
-            _ => None,
-        },
+        Slot::Wire(source) => Some((Some(values[*source as usize].tree()?), true)),
+        Slot::Wires(_) => None,
     })
 }
 
@@ -243,7 +243,7 @@ pub(crate) fn inputs<'a>(
     let mut inputs = Vec::with_capacity(plan.slot_count(n));
     for (p, slot) in plan.node_slots(n).iter().enumerate() {
         let tree = tree(plan, registry, n, p, values, reports)?;
-        inputs.push(Input { tree, files: Vec::new(), unchecked: matches!(slot, Slot::Wires { .. }) });
+        inputs.push(Input { tree, files: Vec::new(), unchecked: slot.is_wired() });
     }
     for (p, read) in files {
         inputs[p].files = read;

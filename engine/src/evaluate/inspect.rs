@@ -3,7 +3,6 @@
 use super::gather;
 use super::session::Session;
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::plan::Slot;
 use crate::value::Tree;
 
 impl Session {
@@ -14,14 +13,14 @@ impl Session {
     /// If there is no such input; says which name comes nearest.
     pub fn sources(&self, name: &str) -> Result<Vec<String>, Diagnostic> {
         let (n, p) = self.find_port(name)?;
-        let Slot::Wires { from, to, .. } = self.plan.slot(n, p) else { return Ok(Vec::new()) };
+        let slot = self.plan.slot(n, p);
         let address = |slot: &u32| {
             let node = self.plan.output_node[*slot as usize] as usize;
             let port = (*slot - self.plan.nodes[node].outputs) as usize;
             let name = self.plan.node_type(node).and_then(|t| t.outputs.get(port)).map_or("", |p| p.name());
-            format!("{}.{name}", self.plan.ids[node])
+            format!("{}.{name}", &self.plan.ids[node])
         };
-        Ok(self.plan.wire_sources(from, to).iter().map(address).collect())
+        Ok(self.plan.wires(&slot).0.iter().map(address).collect())
     }
 
     /// `node.port` of everything that writers give, in order of nodes; those inside clusters too.
@@ -29,7 +28,9 @@ impl Session {
     pub fn writers(&self) -> Vec<String> {
         let writers =
             (0..self.plan.nodes.len()).filter_map(|n| Some((n, self.plan.node_type(n)?))).filter(|(_, t)| t.writer);
-        writers.flat_map(|(n, t)| t.outputs.iter().map(move |p| format!("{}.{}", self.plan.ids[n], p.name()))).collect()
+        writers
+            .flat_map(|(n, t)| t.outputs.iter().map(move |p| format!("{}.{}", &self.plan.ids[n], p.name())))
+            .collect()
     }
 
     /// The value that the node would see at the input `name`: wires joined, converted and shaped, else the literal,
@@ -39,9 +40,7 @@ impl Session {
     /// If there is no such input, or what arrives cannot be turned into what the port takes.
     pub fn input(&self, name: &str) -> Result<Option<Tree>, Diagnostic> {
         let (n, p) = self.find_port(name)?;
-        if let Slot::Wires { from, to, .. } = self.plan.slot(n, p)
-            && self.plan.wire_sources(from, to).iter().any(|s| self.values[*s as usize].is_none())
-        {
+        if self.plan.wires(&self.plan.slot(n, p)).0.iter().any(|s| self.values[*s as usize].tree().is_none()) {
             return Ok(None);
         }
         let tree = gather::tree(&self.plan, &self.registry, n, p, &self.values, &mut Vec::new());

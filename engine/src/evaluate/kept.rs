@@ -7,7 +7,7 @@ use crate::value::{Path, Tree, pack, unpack};
 use serde::{Deserialize, Serialize};
 
 /// Version of the layout below; part of every key, so that no entry of another version is ever met.
-pub(crate) const FORMAT: u32 = 1;
+pub(crate) const FORMAT: u32 = 2;
 
 /// A node's result as it outlives the process. Without outputs: the node failed.
 #[derive(Clone, Debug, PartialEq)]

@@ -52,6 +52,8 @@ pub(crate) struct Rule<'a> {
 /// What arrives at one port in one branch.
 pub(crate) enum Arg<'a> {
     Missing,
+    /// One item, the same in every lane.
+    One(&'a Column),
     Item(&'a Column, Rule<'a>),
     List(&'a Column),
     Tree(&'a Tree),
@@ -101,6 +103,25 @@ impl Outcome {
     }
 }
 
+/// What a simple node gives.
+pub(crate) enum Simple {
+    /// One number and nothing to say: kept in a register, since making a tree of it takes as long as the node.
+    Number(f64),
+    Outcome(Box<Outcome>),
+}
+
+impl From<Simple> for Outcome {
+    fn from(simple: Simple) -> Self {
+        match simple {
+            Simple::Outcome(outcome) => *outcome,
+            Simple::Number(v) => {
+                let outputs = SmallVec::from([Tree::item(v)]);
+                Self { outputs, reports: Vec::new(), failed: false, cancelled: false, panicked: false }
+            }
+        }
+    }
+}
+
 struct Branch<'a> {
     path: Path,
     args: Vec<Arg<'a>>,
@@ -109,8 +130,10 @@ struct Branch<'a> {
 
 /// The most lanes all branches together may have: a cross of long lists is more likely a slip than a wish.
 const MOST_LANES: usize = 1 << 28;
-/// Nodes with more ports than this are never simple.
+/// Nodes with more inputs than this are never simple.
 const SIMPLE_PORTS: usize = 6;
+/// One lane.
+const ALONE: Lanes = Lanes { count: 1, cross: false };
 /// Lanes of a node that is not slow are shared out in pieces of this many.
 const PIECE: usize = 1024;
 
@@ -174,11 +197,11 @@ pub(crate) fn run_simple<'a>(
     node_type: &NodeType,
     inputs: impl Iterator<Item = Option<(Option<&'a Tree>, bool)>>,
     monitor: Monitor<'_>,
-) -> Option<Outcome> {
-    if node_type.inputs.len() > SIMPLE_PORTS || node_type.outputs.len() > SIMPLE_PORTS {
+) -> Option<Simple> {
+    if node_type.inputs.len() > SIMPLE_PORTS {
         return None;
     }
-    let mut args: [Arg<'_>; SIMPLE_PORTS] = std::array::from_fn(|_| Arg::Missing);
+    let mut args = [const { Arg::Missing }; SIMPLE_PORTS];
     let mut path = None;
     for ((input, port), arg) in inputs.zip(&node_type.inputs).zip(&mut args) {
         let (tree, by_wire) = input?;
@@ -195,16 +218,29 @@ pub(crate) fn run_simple<'a>(
         path = path.or(Some(name));
         *arg = match port.access {
             Access::List => Arg::List(column),
-            _ if column.len() == 1 && !column.has_gaps() => Arg::Item(column, Rule { len: 1, stride: 1, files: None }),
+            _ if column.len() == 1 && !column.has_gaps() => Arg::One(column),
             _ => return None,
         };
     }
-    let mut outputs: [Output; SIMPLE_PORTS] = std::array::from_fn(|_| Output::new(1));
-    let outputs = outputs.get_mut(..node_type.outputs.len())?;
-    let lanes = Lanes { count: 1, cross: false };
-    let lot = run_lanes(node_type, args.get(..node_type.inputs.len())?, lanes, 0..1, outputs, monitor);
-    let path = path.map_or_else(|| Cow::Owned(Path::root()), Cow::Borrowed);
-    Some(finish_alone(node_type, lot, outputs.iter_mut().map(Output::take), &path, Vec::new()))
+    let args = args.get(..node_type.inputs.len())?;
+    let root = path.is_none_or(Path::is_root);
+    let path = || path.map_or_else(|| Cow::Owned(Path::root()), Cow::Borrowed);
+    if node_type.outputs.len() != 1 {
+        let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(1)).collect();
+        let lot = run_lanes(node_type, args, ALONE, 0..1, &mut outputs, monitor);
+        let outcome = finish_alone(node_type, lot, outputs.into_iter(), &path(), Vec::new());
+        return Some(Simple::Outcome(Box::new(outcome)));
+    }
+    let mut output = [Output::new(1)];
+    let lot = run_lanes(node_type, args, ALONE, 0..1, &mut output, monitor);
+    if lot.good == 1
+        && root
+        && lot.reports.is_empty()
+        && let Some(v) = output[0].as_number()
+    {
+        return Some(Simple::Number(v));
+    }
+    Some(Simple::Outcome(Box::new(finish_alone(node_type, lot, output.into_iter(), &path(), Vec::new()))))
 }
 
 /// One branch, one lane.
@@ -292,7 +328,7 @@ fn branches<'a>(node_type: &NodeType, inputs: &'a [Input<'a>], matching: Matchin
     };
     let Some(count) = count else {
         let args = inputs.iter().map(|i| i.tree.as_deref().map_or(Arg::Missing, Arg::Tree)).collect();
-        return Ok(vec![Branch { path: Path::root(), args, lanes: Lanes { count: 1, cross: false } }]);
+        return Ok(vec![Branch { path: Path::root(), args, lanes: ALONE }]);
     };
     // The first port with the most branches names the paths.
     let longest = matched().map(|t| t.branches().len()).max().unwrap_or(0);

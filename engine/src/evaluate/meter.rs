@@ -1,7 +1,7 @@
 //! Progress: the fraction of the expected cost that is done.
 
 use super::report::Progress;
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 /// Fraction done by expected cost, told at most 30 times a second.
@@ -18,7 +18,7 @@ pub(crate) struct MeterState {
 }
 
 impl Meter<'_> {
-    pub fn show(&self, node: &Arc<str>, weight: f64, fraction: f64) {
+    pub fn show(&self, node: &str, weight: f64, fraction: f64) {
         let (Some(tell), Ok(mut state)) = (self.tell, self.state.lock()) else { return };
         let now = Instant::now();
         if state.last.is_some_and(|t| now - t < Duration::from_millis(33)) {
@@ -27,7 +27,7 @@ impl Meter<'_> {
         let fraction = ((state.done + weight * fraction) / state.total.max(1.0)).min(1.0).max(state.shown);
         (state.shown, state.last) = (fraction, Some(now));
         drop(state);
-        tell(&Progress { fraction, node: node.clone() });
+        tell(&Progress { fraction, node: node.into() });
     }
 
     pub fn finish(&self, weight: f64) {

@@ -14,4 +14,5 @@ mod quick;
 pub(crate) mod report;
 pub(crate) mod run;
 pub(crate) mod session;
+pub(crate) mod state;
 pub(crate) mod store;

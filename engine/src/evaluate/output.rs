@@ -69,9 +69,12 @@ impl Output {
         Self { lanes, kind: Kind::Unset, mixed: false }
     }
 
-    /// What has been set, leaving nothing.
-    pub fn take(&mut self) -> Self {
-        std::mem::replace(self, Self::new(self.lanes))
+    /// The number, if that is all that was set.
+    pub fn as_number(&self) -> Option<f64> {
+        match &self.kind {
+            Kind::One(column, _) if !self.mixed => column.as_number(),
+            _ => None,
+        }
     }
 
     pub fn set_item<T: Item>(&mut self, lane: usize, value: T) {

@@ -3,10 +3,11 @@
 
 use super::commit::{Evaluation, SMALL};
 use super::gather;
-use super::matching;
+use super::matching::{self, Simple};
 use super::meter::Meter;
 use super::report::{Event, Happened, Row};
-use super::session::{NodeRun, Session, Status};
+use super::session::Session;
+use super::state::{NodeRun, Status, Value};
 use crate::call::Monitor;
 use crate::document::model::NodeState;
 use crate::plan::Slot;
@@ -32,9 +33,9 @@ impl Session {
         if !self.is_quick(i) {
             return false;
         }
-        let key = gather::key(&self.plan, i, &self.digests, &[]);
+        let key = gather::key(&self.plan, i, &self.values, &[]);
         let run = &self.nodes[i];
-        if run.key == key && run.present && run.status == Status::Good {
+        if run.key == key.into() && run.present && run.status == Status::Good {
             self.nodes[i].dirty = false;
             self.note(n, Happened::CutOff, Duration::ZERO, e);
             self.events.push(Event::CutOff(n));
@@ -42,12 +43,22 @@ impl Session {
         }
         let Some(t) = self.plan.node_type(i) else { return false };
         let monitor = Monitor { cancel, report: None, span: (0.0, 1.0) };
-        let Some(outcome) = matching::run_simple(t, gather::simple(&self.plan, t, i, &self.values), monitor) else {
+        let Some(simple) = matching::run_simple(t, gather::simple(&self.plan, t, i, &self.values), monitor) else {
             return false;
         };
         if cancel.load(Ordering::Relaxed) {
             return true;
         }
+        let outcome = match simple {
+            Simple::Number(v) => {
+                self.put_number(n, key, v, e);
+                if e.reports.len() - e.settled >= BATCH {
+                    self.settle(e, meter);
+                }
+                return true;
+            }
+            Simple::Outcome(outcome) => *outcome,
+        };
         let small = outcome.outputs.iter().map(Tree::bytes).sum::<usize>() <= SMALL;
         if outcome.failed || outcome.cancelled || !outcome.reports.is_empty() || !small {
             self.settle(e, meter);
@@ -55,9 +66,8 @@ impl Session {
             return true;
         }
         self.events.push(Event::Executed(n));
-        let run = NodeRun { key, status: Status::Good, blocked_by: n, ..NodeRun::default() };
         let mut outputs = outcome.outputs.into_iter();
-        if !self.publish_each(n, run, |_| outputs.next(), e) {
+        if !self.publish_each(n, NodeRun::new(key, Status::Good), None, |_| outputs.next().into(), e) {
             self.events.push(Event::CutOff(n));
         }
         self.note(n, Happened::Executed, Duration::ZERO, e);
@@ -65,6 +75,17 @@ impl Session {
             self.settle(e, meter);
         }
         true
+    }
+
+    /// As [`Session::publish`] and [`Session::note`] with a number.
+    fn put_number(&mut self, n: u32, key: u128, v: f64, e: &mut Evaluation) {
+        let node_type = self.plan.nodes[n as usize].node_type;
+        let (digest, bytes) = (Value::number(v).digest().into(), Value::number(v).bytes());
+        self.events.push(Event::Executed(n));
+        if !self.publish_each(n, NodeRun::new(key, Status::Good), None, |_| Value::number(v), e) {
+            self.events.push(Event::CutOff(n));
+        }
+        e.reports.push(Row { node: n, node_type, time: 0.0, happened: Happened::Executed, bytes, digest });
     }
 
     /// A cheap node that can run: everything that it needs is there, and little of it.
@@ -80,10 +101,10 @@ impl Session {
                 Slot::Missing if !port.optional => return false,
                 Slot::Missing | Slot::Default => {}
                 Slot::Literal(l) => bytes += self.plan.literals[*l as usize].bytes(),
-                Slot::Wires { from, to, .. } => {
-                    for source in self.plan.wire_sources(*from, *to) {
+                Slot::Wire(_) | Slot::Wires(_) => {
+                    for source in self.plan.wires(slot).0 {
                         let run = &self.nodes[self.plan.output_node[*source as usize] as usize];
-                        let Some(tree) = &self.values[*source as usize] else { return false };
+                        let Some(tree) = self.values[*source as usize].tree() else { return false };
                         bytes += tree.bytes();
                         if run.status != Status::Good || !run.present || bytes > SMALL {
                             return false;
@@ -95,6 +116,18 @@ impl Session {
         bytes <= SMALL && self.plan.is_sound(i)
     }
 
+    /// An evaluation that is no longer small is likely to become as large as the last one.
+    fn make_room(&mut self, e: &mut Evaluation) {
+        let more = self.last_size.saturating_sub(e.reports.len());
+        if e.reports.len() >= BATCH && e.reports.capacity() < self.last_size {
+            e.reports.reserve_exact(more);
+            e.undo.reserve_exact(more);
+            e.undo_runs.reserve_exact(more);
+            e.undo_outputs.reserve_exact(more);
+            self.events.reserve(more);
+        }
+    }
+
     /// Shares the time since the clock was last read among the cheap nodes that ran since.
     pub(super) fn settle(&mut self, e: &mut Evaluation, meter: &Meter<'_>) {
         let from = std::mem::replace(&mut e.settled, e.reports.len());
@@ -103,11 +136,12 @@ impl Session {
         if count == 0 {
             return;
         }
+        self.make_room(e);
         let now = Instant::now();
         let time = (now - std::mem::replace(&mut e.clock, now)) / count as u32;
         let mut weight = 0.0;
         for row in e.reports[from..].iter_mut().filter(ran) {
-            row.time = time;
+            row.time = time.as_nanos() as f32;
             weight += self.weight(row.node as usize);
             self.learn(row.node_type, time);
         }

@@ -1,7 +1,9 @@
 //! What an evaluation tells: progress while it runs, a report at its end, and a log of what the cache did.
 
 use crate::diagnostic::{Diagnostic, Severity};
+use crate::plan::texts::Texts;
 use crate::value::Json;
+use crate::value::digest::Packed;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -116,20 +118,17 @@ impl<N: std::fmt::Display> std::fmt::Display for Event<N> {
     }
 }
 
-/// Ids by node number, as a plan numbers them.
-pub(crate) type Ids = Arc<Vec<Arc<str>>>;
-
 /// A log of events: a few bytes each, whatever the nodes are called.
 #[derive(Clone, Debug, Default)]
 pub struct Events {
     /// What was logged before the document was exchanged, with the ids of then.
-    past: Vec<(Ids, Vec<Event<u32>>)>,
-    ids: Ids,
+    past: Vec<(Arc<Texts>, Vec<Event<u32>>)>,
+    ids: Arc<Texts>,
     now: Vec<Event<u32>>,
 }
 
 impl Events {
-    pub(crate) fn new(ids: Ids) -> Self {
+    pub(crate) fn new(ids: Arc<Texts>) -> Self {
         Self { past: Vec::new(), ids, now: Vec::new() }
     }
 
@@ -138,7 +137,7 @@ impl Events {
     }
 
     /// From now on nodes have other numbers.
-    pub(crate) fn renumber(&mut self, ids: Ids) {
+    pub(crate) fn renumber(&mut self, ids: Arc<Texts>) {
         let old = std::mem::replace(&mut self.ids, ids);
         if !self.now.is_empty() {
             self.past.push((old, std::mem::take(&mut self.now)));
@@ -147,10 +146,13 @@ impl Events {
 
     /// Takes everything; the ids stay.
     pub(crate) fn take(&mut self) -> Self {
-        let ids = self.ids.clone();
-        // As much room as before: the next evaluation is likely to be of the same size.
-        let now = Vec::with_capacity(self.now.len());
-        std::mem::replace(self, Self { past: Vec::new(), ids, now })
+        let fresh = Self::new(self.ids.clone());
+        std::mem::replace(self, fresh)
+    }
+
+    /// Makes room for the events of so many nodes.
+    pub(crate) fn reserve(&mut self, nodes: usize) {
+        self.now.reserve(nodes);
     }
 
     /// How much was logged since the document was exchanged.
@@ -165,9 +167,8 @@ impl Events {
     /// The events in order.
     pub fn iter(&self) -> impl Iterator<Item = Event<&str>> {
         let past = self.past.iter().map(|(ids, events)| (ids, events));
-        past.chain([(&self.ids, &self.now)]).flat_map(|(ids, events)| {
-            events.iter().map(move |event| event.map(|n| ids.get(n as usize).map_or("", |id| id)))
-        })
+        past.chain([(&self.ids, &self.now)])
+            .flat_map(|(ids, events)| events.iter().map(move |event| event.map(|n| &ids[n as usize])))
     }
 
     /// Number of events.
@@ -212,17 +213,24 @@ pub struct NodeReport<'a> {
 pub(crate) struct Row {
     pub node: u32,
     pub node_type: u32,
+    /// Nanoseconds that it ran.
+    pub time: f32,
     pub happened: Happened,
-    pub time: Duration,
     pub bytes: usize,
-    pub digest: u128,
+    pub digest: Packed,
+}
+
+impl Row {
+    fn time(&self) -> Duration {
+        Duration::from_nanos(self.time as u64)
+    }
 }
 
 /// The nodes of a report, in order of evaluation.
 #[derive(Clone, Debug, Default)]
 pub struct NodeReports {
-    pub(crate) ids: Ids,
-    pub(crate) types: Ids,
+    pub(crate) ids: Arc<Texts>,
+    pub(crate) types: Arc<Texts>,
     pub(crate) rows: Vec<Row>,
 }
 
@@ -230,12 +238,12 @@ impl NodeReports {
     /// The nodes in order of evaluation.
     pub fn iter(&self) -> impl Iterator<Item = NodeReport<'_>> {
         self.rows.iter().map(|row| NodeReport {
-            id: self.ids.get(row.node as usize).map_or("", |id| id),
-            type_name: self.types.get(row.node_type as usize).map_or("?", |name| name),
+            id: &self.ids[row.node as usize],
+            type_name: self.types.get(row.node_type as usize).unwrap_or("?"),
             happened: row.happened,
-            time: row.time,
+            time: row.time(),
             bytes: row.bytes,
-            digest: row.digest,
+            digest: row.digest.into(),
         })
     }
 

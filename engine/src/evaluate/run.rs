@@ -7,16 +7,16 @@ use super::gather::{self, Files};
 use super::matching::{self, FileRead, Outcome};
 use super::meter::{Meter, MeterState};
 use super::report::{Control, Event, Happened, NodeReports, Report};
-use super::session::{NodeRun, Session, Status};
+use super::session::Session;
+use super::state::{NodeRun, Status, Told, Value};
 use crate::call::Monitor;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::document::model::NodeState;
 use crate::plan::Slot;
 use crate::registry::NodeType;
 use crate::stop;
-use crate::value::Tree;
 use rayon::prelude::*;
-use std::collections::HashSet;
+use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -57,7 +57,9 @@ impl Session {
         }
         let mut evaluation = Evaluation {
             undo: Vec::new(),
+            undo_runs: Vec::new(),
             undo_outputs: Vec::new(),
+            undo_told: Vec::new(),
             reports: Vec::new(),
             files: Files::new(),
             log: self.events.mark(),
@@ -88,6 +90,7 @@ impl Session {
             report.elapsed = start.elapsed();
             return report;
         }
+        self.last_size = evaluation.reports.len();
         let (ids, types) = (self.plan.ids.clone(), self.plan.type_names.clone());
         report.nodes = NodeReports { ids, types, rows: evaluation.reports };
         self.evict();
@@ -204,7 +207,7 @@ impl Session {
 
     /// False if a node was cancelled.
     fn run_level(&mut self, level: &[u32], e: &mut Evaluation, cancel: &Arc<AtomicBool>, meter: &Meter<'_>) -> bool {
-        let (mut jobs, mut twins, mut keys) = (Vec::new(), Vec::new(), HashSet::new());
+        let (mut jobs, mut twins, mut keys) = (Vec::new(), Vec::new(), BTreeSet::new());
         for n in level {
             if self.run_quick(*n, e, cancel, meter) {
                 if cancel.load(Ordering::Relaxed) {
@@ -220,8 +223,11 @@ impl Session {
                 jobs.push(job);
             }
         }
-        if !self.run_batch(jobs, e, cancel, meter) {
+        if !jobs.is_empty() && !self.run_batch(jobs, e, cancel, meter) {
             return false;
+        }
+        if twins.is_empty() {
+            return true;
         }
         let jobs = twins.into_iter().filter_map(|n| self.look_at(n, e)).collect();
         self.run_batch(jobs, e, cancel, meter)
@@ -271,29 +277,29 @@ impl Session {
     fn look_at(&mut self, n: u32, e: &mut Evaluation) -> Option<Job> {
         let i = n as usize;
         if self.plan.nodes[i].state == NodeState::Disabled {
-            self.publish(n, NodeRun { status: Status::Disabled, ..NodeRun::default() }, &[], e);
+            self.stop(n, Status::Disabled, n, e);
             self.note(n, Happened::Disabled, Duration::ZERO, e);
             return None;
         }
         let run = &self.nodes[i];
         if self.plan.nodes[i].state == NodeState::Frozen && run.status == Status::Good && run.present {
             // It may come from an earlier document, so those behind it have not seen it yet: commit it as it is.
-            let kept = self.nodes[i].clone();
-            let outputs: Vec<Tree> = self.outputs(i).iter().flatten().cloned().collect();
-            self.publish(n, kept, &outputs, e);
+            let (kept, told) = (self.nodes[i], self.told.get(&n).cloned());
+            let outputs: Vec<Value> = self.outputs(i).to_vec();
+            self.publish_each(n, kept, told, |o| outputs.get(o).cloned().unwrap_or_default(), e);
             self.note(n, Happened::Frozen, Duration::ZERO, e);
             return None;
         }
         if !self.plan.is_sound(i) {
             let unknown = self.plan.node_type(i).is_none();
             let status = if unknown { Status::Blocked } else { Status::Failed };
-            self.publish(n, NodeRun { status, blocked_by: n, ..NodeRun::default() }, &[], e);
+            self.stop(n, status, n, e);
             self.note(n, if unknown { Happened::Blocked } else { Happened::Failed }, Duration::ZERO, e);
             self.events.push(if unknown { Event::Blocked(n, n) } else { Event::Failed(n) });
             return None;
         }
         if let Some(by) = self.blocked_by(i) {
-            self.publish(n, NodeRun { status: Status::Blocked, blocked_by: by, ..NodeRun::default() }, &[], e);
+            self.stop(n, Status::Blocked, by, e);
             self.note(n, Happened::Blocked, Duration::ZERO, e);
             self.events.push(Event::Blocked(n, by));
             return None;
@@ -303,7 +309,7 @@ impl Session {
             return None;
         }
         if self.plan.missing(i).next().is_some() {
-            self.publish(n, NodeRun { status: Status::Failed, blocked_by: n, ..NodeRun::default() }, &[], e);
+            self.stop(n, Status::Failed, n, e);
             self.note(n, Happened::Failed, Duration::ZERO, e);
             self.events.push(Event::Failed(n));
             return None;
@@ -312,9 +318,9 @@ impl Session {
             return None;
         }
         let files = self.read_files(i, e);
-        let key = gather::key(&self.plan, i, &self.digests, &files);
+        let key = gather::key(&self.plan, i, &self.values, &files);
         let run = &self.nodes[i];
-        let known = matches!(run.status, Status::Good | Status::Failed) && run.key == key;
+        let known = matches!(run.status, Status::Good | Status::Failed) && run.key == key.into();
         let useful = run.present || run.status == Status::Failed || !self.is_wanted(i);
         if known && useful {
             self.nodes[i].dirty = false;
@@ -326,7 +332,7 @@ impl Session {
             let (outputs, reports, failed) = (entry.outputs.clone(), entry.reports.clone(), entry.failed);
             let status = if failed { Status::Failed } else { Status::Good };
             self.events.push(Event::MemoHit(n));
-            self.publish(n, NodeRun { key, reports, status, blocked_by: n, ..NodeRun::default() }, &outputs, e);
+            self.publish(n, NodeRun::new(key, status), Told::of(status, n, reports), &outputs, e);
             self.note(n, if failed { Happened::Failed } else { Happened::Memo }, Duration::ZERO, e);
             return None;
         }
@@ -337,11 +343,17 @@ impl Session {
         Some(Job { node: n, key, files, rewrite: false })
     }
 
+    /// Puts a node in a state in which it gives nothing.
+    fn stop(&mut self, n: u32, status: Status, blocked_by: u32, e: &mut Evaluation) {
+        let told = Told { reports: None, blocked_by: Some(blocked_by) };
+        self.publish(n, NodeRun::new(0, status), Some(told), &[], e);
+    }
+
     fn is_wanted(&self, i: usize) -> bool {
         self.nodes[i].wanted
     }
 
-    pub(crate) fn outputs(&self, i: usize) -> &[Option<Tree>] {
+    pub(crate) fn outputs(&self, i: usize) -> &[Value] {
         let node = &self.plan.nodes[i];
         &self.values[node.outputs as usize..(node.outputs + node.output_count) as usize]
     }
@@ -352,9 +364,9 @@ impl Session {
             let p = self.plan.output_node[wire as usize];
             match self.nodes[p as usize].status {
                 Status::Failed | Status::Disabled => Some(p),
-                Status::Blocked => Some(self.nodes[p as usize].blocked_by),
+                Status::Blocked => Some(self.told.get(&p).and_then(|t| t.blocked_by).unwrap_or(p)),
                 // Of bypassed nodes some outputs give nothing.
-                Status::Good if self.digests[wire as usize] == 0 => Some(p),
+                Status::Good if matches!(self.values[wire as usize], Value::Nothing) => Some(p),
                 Status::New | Status::Good => None,
             }
         })
@@ -376,8 +388,8 @@ impl Session {
             Vec::new()
         });
         let reports = (!reports.is_empty()).then(|| reports.into());
-        let run = NodeRun { reports, status, blocked_by: n, ..NodeRun::default() };
-        self.publish_each(n, run, |o| outputs.get(o).cloned().flatten(), e);
+        let told = Told::of(status, n, reports);
+        self.publish_each(n, NodeRun::new(0, status), told, |o| outputs.get(o).cloned().flatten().into(), e);
         self.note(n, happened, Duration::ZERO, e);
     }
 
@@ -446,7 +458,7 @@ impl Session {
             Slot::Literal(l) => self.plan.literals[*l as usize].bytes(),
             _ => 0,
         });
-        let wires = self.plan.node_wires(i).map(|w| self.values[w as usize].as_ref().map_or(0, Tree::bytes));
+        let wires = self.plan.node_wires(i).map(|w| self.values[w as usize].bytes());
         literals.chain(wires).sum()
     }
 
@@ -482,7 +494,7 @@ impl Session {
         if job.files.is_empty()
             && let Some(outcome) = matching::run_simple(t, gather::simple(&self.plan, t, i, &self.values), monitor)
         {
-            return outcome;
+            return outcome.into();
         }
         let mut reports = Vec::new();
         let (inputs, matching) =

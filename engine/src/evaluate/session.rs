@@ -1,17 +1,19 @@
 //! A session: one document being worked on. Set inputs, evaluate, read values and files.
 
-use super::cache::{Memo, Reports};
+use super::cache::Memo;
 use super::matching::Matching;
 use super::queue::Queue;
 use super::report::Events;
+use super::state::{NodeRun, Status, Told, Value};
 use super::store::{Store, StoreFault};
 use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
 use crate::document::model::{Document, InterfaceInput, NodeState, split_port};
 use crate::document::operations::Operation;
-use crate::plan::{Plan, Slot};
+use crate::plan::Plan;
 use crate::registry::Registry;
+use crate::value::digest::Packed;
 use crate::value::{Column, File, Json, Tree};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
 /// What the program around the engine provides.
@@ -52,35 +54,6 @@ impl Default for Options {
     }
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Status {
-    /// Never evaluated.
-    #[default]
-    New,
-    Good,
-    Failed,
-    Blocked,
-    Disabled,
-}
-
-/// What a session knows of one node.
-#[derive(Clone, Default)]
-pub(crate) struct NodeRun {
-    pub key: u128,
-    pub reports: Reports,
-    /// The node whose failure blocks this one.
-    pub blocked_by: u32,
-    pub status: Status,
-    /// It must be looked at: an input may have changed.
-    pub dirty: bool,
-    /// Its outputs are in memory.
-    pub present: bool,
-    /// Its outputs are needed even if nothing changed: somebody must read them.
-    pub wanted: bool,
-    /// It belongs to what was asked for last.
-    pub needed: bool,
-}
-
 /// One document being worked on.
 pub struct Session {
     pub(crate) registry: Arc<Registry>,
@@ -89,13 +62,12 @@ pub struct Session {
     pub(crate) plan: Plan,
     pub(crate) nodes: Vec<NodeRun>,
     /// By output slot.
-    pub(crate) values: Vec<Option<Tree>>,
-    pub(crate) digests: Vec<u128>,
+    pub(crate) values: Vec<Value>,
     pub(crate) memo: Memo,
     pub(crate) queue: Queue,
     pub(crate) dirty: Vec<u32>,
-    /// Nodes with reports or blocked.
-    pub(crate) vocal: BTreeSet<u32>,
+    /// Nodes that have something to say, or did not run.
+    pub(crate) told: BTreeMap<u32, Told>,
     /// What `needed` was computed for.
     pub(crate) goals: Option<Vec<u32>>,
     /// The targets that the goals were found for, if all of them are known.
@@ -115,6 +87,8 @@ pub struct Session {
     /// Of a type whose nodes are cheap: some result was so large that it is remembered all the same.
     pub(crate) remembered: Vec<bool>,
     pub(crate) events: Events,
+    /// Nodes that the last evaluation looked at.
+    pub(crate) last_size: usize,
     pool: OnceLock<Option<rayon::ThreadPool>>,
 }
 
@@ -152,9 +126,8 @@ impl Session {
             queue: Queue::new(0, 0),
             nodes: Vec::new(),
             values: Vec::new(),
-            digests: Vec::new(),
             dirty: Vec::new(),
-            vocal: BTreeSet::new(),
+            told: BTreeMap::new(),
             goals: None,
             asked: None,
             evicted: false,
@@ -167,6 +140,7 @@ impl Session {
             options,
             memo: Memo::default(),
             stamp: 0,
+            last_size: 0,
             faults: Mutex::default(),
             events: Events::new(plan.ids.clone()),
             plan,
@@ -181,10 +155,9 @@ impl Session {
         let count = self.plan.nodes.len();
         self.queue = Queue::new(self.plan.levels, count);
         self.nodes = vec![NodeRun { dirty: true, ..NodeRun::default() }; count];
-        self.values = vec![None; self.plan.output_node.len()];
-        self.digests = vec![0; self.plan.output_node.len()];
+        self.values = vec![Value::Nothing; self.plan.output_node.len()];
         self.dirty = (0..count as u32).collect();
-        self.vocal.clear();
+        self.told.clear();
         self.goals = None;
         self.asked = None;
         self.readers = (0..count as u32).filter(|n| self.plan.nodes[*n as usize].has_files).collect();
@@ -215,7 +188,8 @@ impl Session {
         let old_plan = std::mem::replace(&mut self.plan, plan);
         self.events.renumber(self.plan.ids.clone());
         self.document = document;
-        let (old_nodes, old_values) = (std::mem::take(&mut self.nodes), std::mem::take(&mut self.values));
+        let (old_nodes, mut old_values) = (std::mem::take(&mut self.nodes), std::mem::take(&mut self.values));
+        let mut old_told = std::mem::take(&mut self.told);
         self.reset();
         self.place_all_given();
         for n in 0..self.plan.nodes.len() {
@@ -225,15 +199,14 @@ impl Session {
             // What it had last stays if it is frozen now or later, and holds as long as what comes in is the same. Without
             // a key it was bypassed: then it has nothing of its own.
             let run = &old_nodes[o];
-            if same && run.present && run.status == Status::Good && run.key != 0 {
+            if same && run.present && run.status == Status::Good && run.key != Packed::default() {
                 for i in 0..new.output_count as usize {
-                    let value = old_values[old.outputs as usize + i].clone();
-                    self.digests[new.outputs as usize + i] = value.as_ref().map_or(0, Tree::digest);
+                    let value = std::mem::take(&mut old_values[old.outputs as usize + i]);
                     self.values[new.outputs as usize + i] = value;
                 }
-                self.nodes[n] = NodeRun { dirty: true, ..run.clone() };
-                if run.reports.is_some() {
-                    self.vocal.insert(n as u32);
+                self.nodes[n] = NodeRun { dirty: true, ..*run };
+                if let Some(told) = old_told.remove(&(o as u32)) {
+                    self.told.insert(n as u32, told);
                 }
             }
         }
@@ -277,9 +250,9 @@ impl Session {
             params.push((id.to_owned(), port.to_owned()));
             for (n, p) in found {
                 let id = &self.plan.ids[n];
-                if matches!(self.plan.slot(n, p), Slot::Wires { .. }) {
+                if self.plan.slot(n, p).is_wired() {
                     let message = format!("{id}.{port} has a wire, which overrules a value");
-                    return Err(Diagnostic::error("wired-input", message).at(&**id).port(port));
+                    return Err(Diagnostic::error("wired-input", message).at(id).port(port));
                 }
                 trees.push((n, p, self.checked(name, n, p, &value)?));
             }
@@ -388,7 +361,7 @@ impl Session {
         }
         let places = self.plan.find_inputs(&format!("{node}.{port}")).ok()?;
         let one = |(n, p): (usize, usize)| {
-            let wired = matches!(self.plan.slot(n, p), Slot::Wires { .. });
+            let wired = self.plan.slot(n, p).is_wired();
             let tree = value.map(|v| self.plan.node_type(n)?.inputs[p].literal(v).ok());
             if wired || tree == Some(None) { None } else { Some((n, p, tree.flatten())) }
         };
@@ -435,7 +408,7 @@ impl Session {
         if run.dirty && !run.needed && self.plan.nodes[n].state != NodeState::Frozen {
             return None;
         }
-        self.values[self.plan.nodes[n].outputs as usize + o].clone()
+        self.values[self.plan.nodes[n].outputs as usize + o].tree().cloned()
     }
 
     /// The files that the writers made in the last evaluation, with the `node.port` that made them, in order of node
@@ -449,10 +422,10 @@ impl Session {
                 continue;
             }
             for (o, port) in t.outputs.iter().enumerate() {
-                let Some(tree) = &self.values[self.plan.nodes[n].outputs as usize + o] else { continue };
+                let Some(tree) = self.values[self.plan.nodes[n].outputs as usize + o].tree() else { continue };
                 for (_, column) in tree.branches() {
                     let found = (0..column.len()).filter_map(|i| column.get::<File>(i));
-                    files.extend(found.map(|f| (format!("{}.{}", self.plan.ids[n], port.name), f.clone())));
+                    files.extend(found.map(|f| (format!("{}.{}", &self.plan.ids[n], port.name), f.clone())));
                 }
             }
         }

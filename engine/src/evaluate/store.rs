@@ -6,7 +6,8 @@ use super::kept::{self, Kept, NotKept};
 use super::matching::Outcome;
 use super::report::{Event, Happened};
 use super::run::Job;
-use super::session::{NodeRun, Session, Status};
+use super::session::Session;
+use super::state::{NodeRun, Status, Told};
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::stop;
 use crate::value::{Digester, Tree};
@@ -155,8 +156,7 @@ impl Session {
         let outputs = kept.outputs.into_boxed_slice();
         let status = if failed { Status::Failed } else { Status::Good };
         self.events.push(Event::DiskHit(n));
-        let run = NodeRun { key, reports: reports.clone(), status, blocked_by: n, ..NodeRun::default() };
-        self.publish(n, run, &outputs, e);
+        self.publish(n, NodeRun::new(key, status), Told::of(status, n, reports.clone()), &outputs, e);
         self.memo.put(key, outputs, reports, failed, kept.nanoseconds);
         self.note(n, if failed { Happened::Failed } else { Happened::Disk }, time, e);
     }
@@ -196,7 +196,7 @@ impl Session {
             let told = match &fault {
                 StoreFault::Damaged { .. } => {
                     let message = format!("the kept result {fault}; the node ran again");
-                    Diagnostic::error("cache-damaged", message).at(&*self.plan.ids[node as usize])
+                    Diagnostic::error("cache-damaged", message).at(&self.plan.ids[node as usize])
                 }
                 StoreFault::Failed { .. } if failed => continue,
                 StoreFault::Failed { .. } => {

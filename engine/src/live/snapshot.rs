@@ -2,7 +2,9 @@
 
 use crate::document::model::split_port;
 use crate::evaluate::report::Report;
-use crate::evaluate::session::{Session, Status};
+use crate::evaluate::session::Session;
+use crate::evaluate::state::{Status, Value};
+use crate::plan::texts::Texts;
 use crate::registry::NodeType;
 use crate::value::{File, Tree};
 use std::collections::BTreeMap;
@@ -11,7 +13,7 @@ use std::sync::Arc;
 /// Where values are by name, for as long as the plan stays the same.
 pub(crate) struct Names {
     /// Sorted.
-    ids: Arc<Vec<Arc<str>>>,
+    ids: Arc<Texts>,
     /// Type and first output slot of each node.
     nodes: Vec<(Option<Arc<NodeType>>, u32)>,
     /// Output slots of interface outputs and of outputs of instances.
@@ -23,7 +25,7 @@ pub(crate) struct Names {
 pub struct Snapshot {
     pub(super) revision: u64,
     pub(super) report: Report,
-    values: Vec<Option<Tree>>,
+    values: Vec<Value>,
     files: Vec<(String, File)>,
     names: Arc<Names>,
 }
@@ -55,12 +57,12 @@ impl Snapshot {
             Some(slot) => *slot as usize,
             None => {
                 let (id, port) = split_port(name)?;
-                let n = self.names.ids.binary_search_by(|i| (**i).cmp(id)).ok()?;
+                let n = self.names.ids.find(id)?;
                 let (node_type, first) = self.names.nodes.get(n)?;
                 *first as usize + node_type.as_ref()?.output_index(port)?
             }
         };
-        self.values.get(slot)?.as_ref()
+        self.values.get(slot)?.tree()
     }
 
     /// Every value that there is: node, port, value, in order of node ids.
@@ -68,8 +70,8 @@ impl Snapshot {
         self.names.ids.iter().zip(&self.names.nodes).flat_map(move |(id, (node_type, first))| {
             let ports = node_type.iter().flat_map(|t| t.outputs()).enumerate();
             ports.filter_map(move |(o, port)| {
-                let value = self.values.get(*first as usize + o)?.as_ref()?;
-                Some((&**id, port.name(), value))
+                let value = self.values.get(*first as usize + o)?.tree()?;
+                Some((id, port.name(), value))
             })
         })
     }
@@ -84,7 +86,7 @@ impl Snapshot {
 impl Session {
     /// What the last evaluation came to. O(nodes).
     pub(super) fn snapshot(&self, names: Arc<Names>, revision: u64, report: Report) -> Snapshot {
-        let mut values = vec![None; self.plan.output_node.len()];
+        let mut values = vec![Value::Nothing; self.plan.output_node.len()];
         for (n, run) in self.nodes.iter().enumerate() {
             // What nobody asked for may be older than the rest.
             if run.needed && !run.dirty && run.status == Status::Good {

@@ -1,8 +1,8 @@
 //! What addresses (`node.port`) mean in a plan, through instances of clusters: `facade.thickness` is an input of the instance
 //! `facade`, `facade/thicken.panels` an output inside of it.
 
+use super::Plan;
 use super::expand::no_output;
-use super::{Plan, Slot};
 use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
 use crate::document::cluster::PREFIX;
 use crate::document::model::{Document, split_port};
@@ -17,7 +17,7 @@ impl Plan {
             for address in &input.ports {
                 match self.find_inputs(address) {
                     Err(diagnostic) => self.general.push(in_interface("input", name, diagnostic)),
-                    Ok(places) if places.iter().any(|(n, p)| matches!(self.slot(*n, *p), Slot::Wires { .. })) => {
+                    Ok(places) if places.iter().any(|(n, p)| self.slot(*n, *p).is_wired()) => {
                         let message = format!("interface input \"{name}\" is bound to {address}, which has a wire");
                         self.general.push(Diagnostic::error("wired-input", message));
                     }
@@ -61,7 +61,7 @@ impl Plan {
 
     /// The node of that id or path. O(log n).
     pub fn find(&self, id: &str) -> Option<usize> {
-        self.ids.binary_search_by(|i| (**i).cmp(id)).ok()
+        self.ids.find(id)
     }
 
     /// True if the node of that path is of an unknown type.
@@ -86,7 +86,7 @@ impl Plan {
         };
         let Some(n) = self.find(id) else {
             let instances = self.instances.keys().take(10_000).map(|i| &**i);
-            let hint = did_you_mean(id, self.ids.iter().take(10_000).map(|i| &**i).chain(instances));
+            let hint = did_you_mean(id, self.ids.iter().take(10_000).chain(instances));
             return Err(Diagnostic::error("unknown-name", format!("there is no node \"{id}\"")).maybe_hint(hint));
         };
         let Some(t) = self.node_type(n) else {
@@ -125,7 +125,7 @@ impl Plan {
             let p = t.input_index(&port).ok_or_else(|| {
                 let hint = did_you_mean(&port, t.inputs.iter().map(Port::name));
                 let message = format!("\"{}\" has no input \"{port}\"", t.type_name);
-                Diagnostic::error("unknown-port", message).at(&*self.ids[n]).port(port).maybe_hint(hint)
+                Diagnostic::error("unknown-port", message).at(&self.ids[n]).port(port).maybe_hint(hint)
             })?;
             places.push((n, p));
         }
@@ -154,7 +154,7 @@ impl Plan {
         let o = t.output_index(&port).ok_or_else(|| {
             let hint = did_you_mean(&port, t.outputs.iter().map(Port::name));
             let message = format!("\"{}\" has no output \"{port}\"", t.type_name);
-            Diagnostic::error("unknown-port", message).at(&*self.ids[n]).port(port).maybe_hint(hint)
+            Diagnostic::error("unknown-port", message).at(&self.ids[n]).port(port).maybe_hint(hint)
         })?;
         Ok((n, o))
     }

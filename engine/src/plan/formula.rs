@@ -98,7 +98,7 @@ impl Plan {
             Slot::Literal(l) => self.literals.get(l as usize),
             Slot::Default => t.defaults.get(p).and_then(Option::as_ref),
             Slot::Missing => return Err(format!("input \"{name}\" has no value yet")),
-            Slot::Wires { .. } => return Err(format!("input \"{name}\" is overruled by a wire")),
+            Slot::Wire(_) | Slot::Wires(_) => return Err(format!("input \"{name}\" is overruled by a wire")),
         };
         let number = tree
             .filter(|tree| tree.len() == 1)
@@ -117,7 +117,7 @@ impl Plan {
 
     /// True if the value at a port is computed by a formula that stands in the cluster of that instance.
     pub(crate) fn is_formula_of(&self, n: usize, p: usize, instance: &str) -> bool {
-        let wired = matches!(self.slot(n, p), Slot::Wires { .. });
+        let wired = self.slot(n, p).is_wired();
         !wired && self.formulas.get(&(n as u32, p as u32)).is_some_and(|f| &*f.scope == instance)
     }
 
@@ -183,9 +183,9 @@ impl Plan {
     /// Computes one formula; true if the parameter is now another than before. What cannot be computed is an error of
     /// the node, and goes when it can.
     fn renew_formula(&mut self, document: &Document, n: usize, p: usize) -> bool {
-        let Some(id) = self.ids.get(n).cloned() else { return false };
+        let Some(id) = self.ids.get(n).map(str::to_owned) else { return false };
         let formula = self.formulas.get(&(n as u32, p as u32));
-        let (Some(formula), false) = (formula, matches!(self.slot(n, p), Slot::Wires { .. })) else { return false };
+        let (Some(formula), false) = (formula, self.slot(n, p).is_wired()) else { return false };
         match self.literal_in(document, &formula.scope, n, p, &formula.json) {
             Ok(tree) => {
                 let same = match self.slot(n, p) {

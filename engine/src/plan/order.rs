@@ -13,7 +13,7 @@ impl Plan {
         // Counting sort by source; a successor reached by several wires counts once.
         let mut start = vec![0u32; count + 1];
         let mut last = vec![UNKNOWN; count];
-        let mut edges = Vec::with_capacity(self.wires.len());
+        let mut edges = Vec::with_capacity(count);
         for n in 0..count {
             for source in self.predecessors(n) {
                 if last[source as usize] != n as u32 {
@@ -66,10 +66,10 @@ impl Plan {
             for n in cycle {
                 let message = format!("the node waits for itself: {name}");
                 let diagnostic = Diagnostic::error("cycle", message).hint("remove one of these wires");
-                self.error(n as usize, None, diagnostic.at(&*self.ids[n as usize].clone()));
+                self.error(n as usize, None, diagnostic.at(self.ids[n as usize].to_owned()));
                 for p in 0..self.slot_count(n as usize) {
                     let at = self.nodes[n as usize].slots as usize + p;
-                    if matches!(self.slots[at], Slot::Wires { .. }) {
+                    if self.slots[at].is_wired() {
                         self.slots[at] = Slot::Missing;
                     }
                 }

@@ -1,7 +1,7 @@
 //! A column: many items of one type in one allocation, immutable, with the gaps that failed items left.
 //! Digest and size are made once, when the column is built.
 
-use super::digest::Digester;
+use super::digest::{Digester, digest_number};
 use super::item::{Item, Json};
 use crate::stop::{self, STRIDE, Stoppable};
 use std::any::{Any, TypeId};
@@ -258,7 +258,7 @@ impl ColumnData for f64 {
     }
 
     fn digest(&self) -> u128 {
-        digest(std::slice::from_ref(self), None)
+        digest_number(*self)
     }
 
     fn bytes(&self) -> usize {
@@ -375,10 +375,19 @@ impl Column {
         Self(Data::Shared(Arc::new(Typed { items: Items::Own(items.into_boxed_slice()), valid, digest, bytes })))
     }
 
+    /// The number, if that is all that the column is.
+    #[inline]
+    pub(crate) fn as_number(&self) -> Option<f64> {
+        match &self.0 {
+            Data::Number(v) => Some(*v),
+            Data::Shared(_) => None,
+        }
+    }
+
     /// Items and gaps together.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.data().len()
+        if self.as_number().is_some() { 1 } else { self.data().len() }
     }
 
     /// True if there is no item and no gap.
@@ -394,7 +403,7 @@ impl Column {
     }
 
     pub(crate) fn item_type(&self) -> TypeId {
-        self.data().item_type()
+        if self.as_number().is_some() { TypeId::of::<f64>() } else { self.data().item_type() }
     }
 
     /// All items as a slice, if they are of type `T`; gaps hold `T::default()`, ask [`Column::is_valid`].
@@ -439,13 +448,16 @@ impl Column {
     /// True if at least one item is a gap.
     #[must_use]
     pub fn has_gaps(&self) -> bool {
-        self.data().valid().is_some()
+        self.as_number().is_none() && self.data().valid().is_some()
     }
 
     /// Digest of type, items and gaps.
     #[must_use]
     pub fn digest(&self) -> u128 {
-        self.data().digest()
+        match &self.0 {
+            Data::Number(v) => digest_number(*v),
+            Data::Shared(data) => data.digest(),
+        }
     }
 
     /// Memory in bytes, the items' own heap included.
@@ -526,6 +538,12 @@ mod tests {
         let c = Column::with_gaps(vec![Some(1.0), None, Some(3.0)]);
         assert_eq!((c.len(), c.get::<f64>(0), c.get::<f64>(1), c.get::<f64>(2)), (3, Some(&1.0), None, Some(&3.0)));
         assert_eq!(c.to_json(), serde_json::json!([1.0, null, 3.0]));
+    }
+
+    #[test]
+    fn numbers_are_equal_by_bits_and_any_nan_is_one() {
+        assert_eq!(Column::new(vec![f64::NAN]), Column::single(-f64::NAN));
+        assert_ne!(Column::single(0.0), Column::single(-0.0));
     }
 
     #[test]

@@ -26,6 +26,7 @@ impl Default for Digester {
 impl Digester {
     /// An empty digest.
     #[must_use]
+    #[inline]
     pub fn new() -> Self {
         Self { buffer: [0; BUFFER], filled: 0, fed: 0, stream: None }
     }
@@ -59,32 +60,50 @@ impl Digester {
         }
     }
 
+    /// As [`Digester::raw`]; a length that the compiler knows is a move or two.
+    #[inline]
+    fn fixed<const N: usize>(&mut self, bytes: [u8; N]) {
+        match self.buffer.get_mut(self.filled..self.filled + N) {
+            Some(room) => {
+                room.copy_from_slice(&bytes);
+                self.filled += N;
+            }
+            None => self.raw(&bytes),
+        }
+    }
+
     /// One byte.
+    #[inline]
     pub fn u8(&mut self, v: u8) {
-        self.raw(&[v]);
+        self.fixed([v]);
     }
 
     /// An unsigned 32-bit number.
+    #[inline]
     pub fn u32(&mut self, v: u32) {
-        self.raw(&v.to_le_bytes());
+        self.fixed(v.to_le_bytes());
     }
 
     /// An unsigned 64-bit number.
+    #[inline]
     pub fn u64(&mut self, v: u64) {
-        self.raw(&v.to_le_bytes());
+        self.fixed(v.to_le_bytes());
     }
 
     /// Another digest.
+    #[inline]
     pub fn u128(&mut self, v: u128) {
-        self.raw(&v.to_le_bytes());
+        self.fixed(v.to_le_bytes());
     }
 
     /// A signed 64-bit number.
+    #[inline]
     pub fn i64(&mut self, v: i64) {
-        self.raw(&v.to_le_bytes());
+        self.fixed(v.to_le_bytes());
     }
 
     /// A float by its bits; every NaN counts as one value, and −0 differs from 0.
+    #[inline]
     pub fn f64(&mut self, v: f64) {
         self.u64(bits(v));
     }
@@ -127,10 +146,11 @@ impl Digester {
 
     /// The digest of everything fed so far.
     #[must_use]
-    pub fn finish(self) -> u128 {
-        match self.stream {
+    #[inline]
+    pub fn finish(mut self) -> u128 {
+        match &mut self.stream {
             None => xxh3_128(&self.buffer[..self.filled]),
-            Some(mut stream) => {
+            Some(stream) => {
                 stream.update(&self.buffer[..self.filled]);
                 stream.digest128()
             }
@@ -138,7 +158,61 @@ impl Digester {
     }
 }
 
-fn bits(v: f64) -> u64 {
+/// Puts digests together into one, in their order. It only holds for what is a digest already: everything else would have
+/// to be hashed first. Each step is a bijection, so what differs in one place never comes to the same.
+pub(crate) struct Mixer(u128);
+
+/// Odd, so that multiplying with it can be undone; the bits of π.
+const FACTOR: u128 = 0x2432_f6a8_885a_308d_3131_98a2_e037_0735;
+
+impl Mixer {
+    #[inline]
+    pub fn new(first: u128) -> Self {
+        Self(first)
+    }
+
+    #[inline]
+    pub fn feed(&mut self, digest: u128) {
+        let product = (self.0 ^ digest).wrapping_mul(FACTOR);
+        self.0 = product ^ (product >> 67);
+    }
+
+    #[inline]
+    pub fn finish(self) -> u128 {
+        let product = self.0.wrapping_mul(FACTOR);
+        product ^ (product >> 71)
+    }
+}
+
+/// The digest of a number alone, which needs no bytes: two rounds of mixing spread 64 bits over 128.
+#[inline]
+pub(crate) fn digest_number(v: f64) -> u128 {
+    let mut mixer = Mixer::new(0x4a40_9382_2299_f31d_0082_efa9_8ec4_e6c8);
+    mixer.feed(u128::from(bits(v)));
+    mixer.feed(0);
+    mixer.finish()
+}
+
+/// A digest in two halves: as `u128` it would be padded to 16 bytes wherever it stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Packed([u64; 2]);
+
+impl From<u128> for Packed {
+    #[inline]
+    fn from(digest: u128) -> Self {
+        Self([(digest >> 64) as u64, digest as u64])
+    }
+}
+
+impl From<Packed> for u128 {
+    #[inline]
+    fn from(packed: Packed) -> Self {
+        Self::from(packed.0[0]) << 64 | Self::from(packed.0[1])
+    }
+}
+
+#[inline]
+pub(crate) fn bits(v: f64) -> u64 {
     if v.is_nan() { f64::NAN.to_bits() } else { v.to_bits() }
 }
 
@@ -152,6 +226,26 @@ pub fn digest_bytes(bytes: &[u8]) -> u128 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn one_bit_more_or_less_changes_half_of_a_digest() {
+        let digests: Vec<u128> = (0..64).map(|b| digest_number(f64::from_bits(1 << b))).collect();
+        for (i, a) in digests.iter().enumerate() {
+            for b in &digests[..i] {
+                assert!((30..98).contains(&(a ^ b).count_ones()), "{a:x} {b:x}");
+            }
+        }
+        let mixed = |words: &[u128]| {
+            let mut mixer = Mixer::new(1);
+            words.iter().for_each(|w| mixer.feed(*w));
+            mixer.finish()
+        };
+        for bit in 0..128 {
+            let change = (mixed(&[5, 7]) ^ mixed(&[5 ^ 1 << bit, 7])).count_ones();
+            assert!((30..98).contains(&change), "bit {bit} changes {change}");
+        }
+        assert_ne!(mixed(&[5, 7]), mixed(&[7, 5]));
+    }
 
     proptest! {
         #[test]
