@@ -38,7 +38,7 @@ pub(crate) struct Evaluation {
 impl Session {
     pub(super) fn commit(&mut self, n: u32, key: u128, mut outcome: Outcome, time: Duration, e: &mut Evaluation) {
         let i = n as usize;
-        self.learn(self.plan.nodes[i].node_type, time);
+        self.learn(self.plan.nodes[i].node_type, time.as_nanos() as f64);
         if outcome.cancelled && !outcome.failed {
             outcome.failed = true;
             outcome.outputs.clear();
@@ -74,9 +74,10 @@ impl Session {
         }
     }
 
-    /// Learns how long nodes of a type take.
-    pub(super) fn learn(&mut self, node_type: u32, time: Duration) {
-        let (cost, now) = (&mut self.costs[node_type as usize], time.as_nanos() as f64);
+    /// Learns how many nanoseconds nodes of a type take.
+    #[inline]
+    pub(super) fn learn(&mut self, node_type: u32, now: f64) {
+        let cost = &mut self.costs[node_type as usize];
         *cost = if *cost > 0.0 { 0.7 * *cost + 0.3 * now } else { now.max(1.0) };
     }
 

@@ -139,13 +139,14 @@ impl Session {
         self.make_room(e);
         let now = Instant::now();
         let time = (now - std::mem::replace(&mut e.clock, now)) / count as u32;
-        let mut weight = 0.0;
+        let time = time.as_nanos() as f64;
         for row in e.reports[from..].iter_mut().filter(ran) {
-            row.time = time.as_nanos() as f32;
-            weight += self.weight(row.node as usize);
+            row.time = time as f32;
+            if meter.tell.is_some() {
+                meter.finish(self.weight(row.node as usize));
+            }
             self.learn(row.node_type, time);
         }
-        meter.finish(weight);
         if let Some(last) = e.reports.last() {
             meter.show(&self.plan.ids[last.node as usize], 0.0, 0.0);
         }

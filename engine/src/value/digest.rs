@@ -189,7 +189,6 @@ impl Mixer {
 pub(crate) fn digest_number(v: f64) -> u128 {
     let mut mixer = Mixer::new(0x4a40_9382_2299_f31d_0082_efa9_8ec4_e6c8);
     mixer.feed(u128::from(bits(v)));
-    mixer.feed(0);
     mixer.finish()
 }
 
