@@ -3,8 +3,8 @@
 // Rules
 // - Functions that can fail give NULL when all is well, otherwise a tenon_error that the caller frees. What they were
 //   to write is then not written.
-// - Handles (tenon_engine, tenon_graph, tenon_job, tenon_result, tenon_text, tenon_error) are freed by their own function,
-//   each once and in any order. A handle that was freed or is of another kind is an error, not a crash.
+// - Handles (tenon_engine, tenon_graph, tenon_job, tenon_result, tenon_sweep, tenon_text, tenon_error) are freed by their
+//   own function, each once and in any order. A handle that was freed or is of another kind is an error, not a crash.
 // - Every function may be called from any thread. Evaluations of one graph run one after another; nothing else waits.
 // - Texts given in are NUL-terminated UTF-8 unless a length is asked for. Texts given out are tenon_str: not terminated.
 // - Structs begin with their size. Who makes a struct sets it; later versions add fields at the end only.
@@ -40,6 +40,10 @@ typedef struct tenon_job tenon_job;
 // What an evaluation came to. Free it with `tenon_result_free`; what was read from it is good until then, also when the
 // graph and the engine are gone.
 typedef struct tenon_result tenon_result;
+
+// Evaluates rows of sweeps one after another and keeps what they have in common. Free it with `tenon_sweep_free`. Calls
+// with the same one wait for one another.
+typedef struct tenon_sweep tenon_sweep;
 
 // A text made for the caller, who frees it with `tenon_text_free`.
 typedef struct tenon_text tenon_text;
@@ -378,6 +382,24 @@ uint64_t tenon_result_node_count(const struct tenon_result *result);
 struct tenon_error *tenon_result_node(const struct tenon_result *result,
                                       uint64_t index,
                                       struct tenon_node_report *out);
+
+// Makes one with an engine's node types and settings. [any thread]
+struct tenon_error *tenon_sweep_new(const struct tenon_engine *engine, struct tenon_sweep **out);
+
+// Frees one. NULL and those that were freed before do nothing. [any thread]
+void tenon_sweep_free(struct tenon_sweep *sweep);
+
+// Evaluates a row, a line of a plan that `tenon sweep plan` has made and that lies in `folder`, and writes its result as
+// `results/KEY` whole or not at all, as `tenon sweep run-row` does; a result that is there and whole is left as it is.
+// Writes its `result.json`, or NULL if `progress` has cancelled. Many processes and machines may do so in one folder. Fails
+// if the line is no row, the graph is another than when it was planned, an input refuses a value or the result cannot be
+// written; that nodes failed stands in the result. [any thread]
+struct tenon_error *tenon_sweep_row(struct tenon_sweep *sweep,
+                                    const char *line,
+                                    const char *folder,
+                                    const char *results,
+                                    const struct tenon_evaluate_options *options,
+                                    struct tenon_text **out);
 
 // The text, good until it is freed; empty for NULL or a freed one. [any thread]
 tenon_str tenon_text_get(const struct tenon_text *text);

@@ -6,6 +6,7 @@ use crate::error::Failure;
 use crate::graph::Graph;
 use crate::job::Job;
 use crate::result::Evaluated;
+use crate::sweep::Sweep;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock, PoisonError, RwLock};
@@ -17,6 +18,7 @@ pub(crate) enum Object {
     Graph(Arc<Graph>),
     Job(Arc<Job>),
     Result(Arc<Evaluated>),
+    Sweep(Arc<Sweep>),
     Error(Arc<Failure>),
     Text(Arc<str>),
 }
@@ -28,6 +30,7 @@ impl Object {
             Self::Graph(_) => "graph",
             Self::Job(_) => "job",
             Self::Result(_) => "result",
+            Self::Sweep(_) => "sweep",
             Self::Error(_) => "error",
             Self::Text(_) => "text",
         }
@@ -88,6 +91,7 @@ finders! {
     graph Graph Graph;
     job Job Job;
     result Result Evaluated;
+    sweep Sweep Sweep;
     error Error Failure;
     text Text str;
 }

@@ -44,16 +44,32 @@ pub struct tenon_evaluate_options {
 unsafe impl read::Sized32 for tenon_evaluate_options {}
 
 impl tenon_evaluate_options {
-    const DEFAULT: Self = Self { size: 0, flags: 0, context: std::ptr::null_mut(), progress: None, done: None };
+    pub(crate) const DEFAULT: Self =
+        Self { size: 0, flags: 0, context: std::ptr::null_mut(), progress: None, done: None };
 }
 
 /// The caller's context and functions, called by one thread at a time.
-struct Listener(Mutex<tenon_evaluate_options>);
+pub(crate) struct Listener(Mutex<tenon_evaluate_options>);
 
 // SAFETY: the context is only handed back to the caller's functions, which the header asks to be fit for any thread.
 unsafe impl Sync for Listener {}
 // SAFETY: see above.
 unsafe impl Send for Listener {}
+
+impl Listener {
+    pub(crate) fn new(options: tenon_evaluate_options) -> Self {
+        Self(options.into())
+    }
+
+    /// Tells of progress; false if the caller wants no more.
+    pub(crate) fn hear(&self, progress: &Progress) -> bool {
+        let options = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        // SAFETY: the caller gave function and context for each other; the text lives through the call.
+        options
+            .progress
+            .is_none_or(|call| unsafe { call(options.context, progress.fraction, tenon_str::of(&progress.node)) != 0 })
+    }
+}
 
 thread_local! {
     /// The evaluation in whose callback this thread stands; 0: none.
@@ -154,14 +170,9 @@ impl Job {
 
     fn hear(&self, listener: &Listener, progress: &Progress) {
         self.fraction.store(progress.fraction.to_bits(), Ordering::Relaxed);
-        let options = listener.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(call) = options.progress {
-            let _inside = Inside::of(self);
-            // SAFETY: the caller gave function and context for each other; the text lives through the call.
-            let go_on = unsafe { call(options.context, progress.fraction, tenon_str::of(&progress.node)) };
-            if go_on == 0 {
-                self.cancel.store(true, Ordering::Release);
-            }
+        let _inside = Inside::of(self);
+        if !listener.hear(progress) {
+            self.cancel.store(true, Ordering::Release);
         }
     }
 
@@ -236,7 +247,7 @@ pub unsafe extern "C" fn tenon_graph_evaluate(
         let names = unsafe { read::texts(outputs, count, "outputs")? };
         // SAFETY: the header asks for NULL or a struct of that size.
         let options = unsafe { read::options(options, tenon_evaluate_options::DEFAULT, "options")? };
-        let evaluated = Job::new(graph, &names).run(&Listener(options.into()))?;
+        let evaluated = Job::new(graph, &names).run(&Listener::new(options))?;
         // SAFETY: not NULL and aligned; the caller vouches that a pointer can be written there.
         unsafe { out.write(handle::give(Object::Result(evaluated))) };
         Ok(())
@@ -262,7 +273,7 @@ pub unsafe extern "C" fn tenon_graph_start(
         let names = unsafe { read::texts(outputs, count, "outputs")? };
         // SAFETY: the header asks for NULL or a struct of that size.
         let options = unsafe { read::options(options, tenon_evaluate_options::DEFAULT, "options")? };
-        let listener = Listener(options.into());
+        let listener = Listener::new(options);
         let job = Job::new(graph, &names);
         let key = handle::give(Object::Job(job.clone()));
         // Before the thread begins, since its callbacks may look there.

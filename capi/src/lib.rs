@@ -14,6 +14,7 @@ mod job;
 mod preview;
 mod read;
 mod result;
+mod sweep;
 mod text;
 mod turns;
 
@@ -24,6 +25,7 @@ pub use graph::*;
 pub use job::*;
 pub use preview::*;
 pub use result::*;
+pub use sweep::*;
 pub use text::*;
 
 /// Version of this interface: major in the upper 16 bits, minor in the lower. Another major does not fit; a greater

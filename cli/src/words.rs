@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::io::{self, IsTerminal, Write};
 use tenon_engine::{Diagnostic, Json, Severity};
+use tenon_nodes::host::sweep::SweepError;
 
 /// Why the program ends with exit code 2: the call or a file is wrong.
 #[derive(Debug)]
@@ -59,6 +60,21 @@ impl From<crate::graph::GraphError> for Wrong {
         match error {
             crate::graph::GraphError::NotAGraph { because, .. } => wrong.because(because),
             _ => wrong,
+        }
+    }
+}
+
+impl From<SweepError> for Wrong {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Graph(error) => error.into(),
+            error => {
+                let wrong = Self { hint: error.hint(), ..Self::new(error.code(), error.to_string()) };
+                match error {
+                    SweepError::Refused { because, .. } => wrong.because(vec![*because]),
+                    _ => wrong,
+                }
+            }
         }
     }
 }

@@ -239,6 +239,8 @@ def _declare() -> None:
         "tenon_graph_share": [HANDLE, c.c_char_p, c.POINTER(Tree), RELEASE, c.c_void_p],
         "tenon_graph_start": [HANDLE, c.POINTER(c.c_char_p), c.c_uint64, c.POINTER(Options), OUT],
         "tenon_job_wait": [HANDLE, c.c_uint64, OUT],
+        "tenon_sweep_new": [HANDLE, OUT],
+        "tenon_sweep_row": [HANDLE, c.c_char_p, c.c_char_p, c.c_char_p, c.POINTER(Options), OUT],
         "tenon_result_preview": [HANDLE, c.c_char_p, c.POINTER(Preview)],
         "tenon_graph_evaluate": [HANDLE, c.POINTER(c.c_char_p), c.c_uint64, c.POINTER(Options), OUT],
         "tenon_result_output": [HANDLE, c.c_char_p, c.POINTER(Tree)],
@@ -249,7 +251,7 @@ def _declare() -> None:
     for name, arguments in failing.items():
         function = getattr(LIB, name)
         function.argtypes, function.restype = arguments, HANDLE
-    for name in ("engine", "graph", "job", "result", "text", "error"):
+    for name in ("engine", "graph", "job", "result", "sweep", "text", "error"):
         function = getattr(LIB, f"tenon_{name}_free")
         function.argtypes, function.restype = [HANDLE], None
     others = {

@@ -3,6 +3,7 @@
 from typing import List, Optional, Tuple
 
 import tenon
+import tenon.sweep
 
 
 def thickest(folder: str, values: List[float]) -> Optional[Tuple[float, int]]:

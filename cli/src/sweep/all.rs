@@ -1,7 +1,6 @@
 //! `tenon sweep run`: every row of a plan that has no result yet, several at once, with one bar for all.
 
-use super::plan::{self, Planned};
-use super::row::{Bench, Found, Inputs, Lock, damage, finished, found};
+use super::plan;
 use crate::args::SweepRunArgs;
 use crate::progress::Bar;
 use crate::words::{Voice, Wrong, print, print_json};
@@ -10,6 +9,7 @@ use std::num::NonZero;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use tenon_engine::{Control, Diagnostic, Json, Progress};
+use tenon_nodes::host::sweep::{Bench, Found, Inputs, Lock, Planned, damage, finished, found};
 
 /// One line per row of the plan, in its order.
 const TABLE: &str = "results.jsonl";
@@ -145,7 +145,7 @@ fn evaluate(
         }
     });
     match first_fault.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        Some(wrong) => Err(wrong),
+        Some(wrong) => Err(wrong.into()),
         None => Ok((done.into_inner(), told.into_inner().unwrap_or_else(PoisonError::into_inner))),
     }
 }

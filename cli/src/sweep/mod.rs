@@ -3,14 +3,13 @@
 
 mod all;
 mod plan;
-mod row;
 mod vary;
 
 use crate::args::{SweepCommand, SweepRowArgs};
 use crate::words::{Voice, Wrong, print, print_json};
 use crate::{End, cache, interrupt, output};
-use row::{Bench, Found, Inputs, Lock};
 use tenon_engine::{Control, Json, Progress};
+use tenon_nodes::host::sweep::{self, Bench, Found, Inputs, Lock};
 
 /// Whether the result is asked for as JSON.
 pub fn json(command: &SweepCommand) -> bool {
@@ -47,9 +46,9 @@ fn run_row(args: &SweepRowArgs) -> Result<End, Wrong> {
     );
     // A plan of another graph is refused even where the result is there.
     bench.load(row)?;
-    let found = row::found(&args.out, row, &mut Inputs::default());
+    let found = sweep::found(&args.out, row, &mut Inputs::default());
     if let Found::Damaged(file) = &found {
-        Voice::new().say(&row::damage(row, file));
+        Voice::new().say(&sweep::damage(row, file));
     }
     let result = if let Found::Finished(done) = found {
         Voice::new().say(&format!("{} is finished already", args.key));

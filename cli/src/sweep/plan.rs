@@ -11,18 +11,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tenon_engine::sweep::{Row, combinations, document_digest};
 use tenon_engine::{Json, Options, Session, Severity};
+use tenon_nodes::host::sweep::Planned;
 
 /// The most rows that a plan may have.
 const MOST: usize = 1_000_000;
-
-/// A row of a plan, and its graph's file from here.
-#[derive(Clone, Debug)]
-pub struct Planned {
-    /// The row.
-    pub row: Row,
-    /// The graph's file.
-    pub graph: PathBuf,
-}
 
 /// Writes the plan of all combinations; every value has been accepted by its input before.
 /// O(rows × inputs).
@@ -115,7 +107,7 @@ pub fn read(plan: &Path) -> Result<Vec<Planned>, Wrong> {
             Wrong::new("no-plan", message).hint("`tenon sweep plan` writes plans")
         })?;
         if seen.insert(row.key.clone()) {
-            rows.push(Planned { graph: folder.join(&row.graph), row });
+            rows.push(Planned::new(row, &folder));
         }
     }
     Ok(rows)

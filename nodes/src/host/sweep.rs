@@ -1,19 +1,17 @@
-//! One row of a sweep: evaluated, written whole or not at all, recognised again when it is there.
+//! Rows of sweeps: evaluated, written whole or not at all, recognised again when they are there.
 //!
 //! A result is the folder `DIR/KEY` with `result.json` and `files/`. It is made under another name, synced and renamed.
 
-use super::plan::Planned;
-use crate::files::{self, Made};
-use crate::output::{self, Staged};
-use crate::words::{Wrong, to_json};
-use crate::{graph, output::WriteError};
+use super::graph::{self, GraphError};
+use super::made::{self, Made};
+use super::output::{self, Staged, WriteError};
 use std::collections::{HashMap, HashSet};
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
-use tenon_engine::sweep::{RowEvaluator, seal, unseal};
+use tenon_engine::sweep::{Row, RowEvaluator, seal, unseal};
 use tenon_engine::{Control, Diagnostic, Host, Json, Options, Registry, Severity, Store, digest_bytes};
 
 /// Name of the file that says what a row came to.
@@ -21,6 +19,81 @@ const RESULT: &str = "result.json";
 
 /// Ending of folders that are not results (yet).
 const TEMPORARY: &str = ".tmp";
+
+/// A row of a plan, and its graph's file from here.
+#[derive(Clone, Debug)]
+pub struct Planned {
+    /// The row.
+    pub row: Row,
+    /// The graph's file.
+    pub graph: PathBuf,
+}
+
+impl Planned {
+    /// A row of a plan that lies in `folder`.
+    #[must_use]
+    pub fn new(row: Row, folder: &Path) -> Self {
+        Self { graph: folder.join(&row.graph), row }
+    }
+}
+
+/// Why a row could not be evaluated.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// Its graph cannot be read.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
+    /// The graph or the program has changed since the plan was made.
+    #[error("{}, or the program, is another than when row {key} was planned", .graph.display())]
+    Stale {
+        /// The graph's file.
+        graph: PathBuf,
+        /// The row's key.
+        key: String,
+    },
+    /// An input refuses a value.
+    #[error("row {key} sets a value that its input refuses")]
+    Refused {
+        /// The row's key.
+        key: String,
+        /// What the input says.
+        because: Box<Diagnostic>,
+    },
+    /// A result cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// Somebody else works in the folder and wants to be alone there.
+    #[error("another sweep works in {}", .dir.display())]
+    Busy {
+        /// The folder.
+        dir: PathBuf,
+    },
+}
+
+impl SweepError {
+    /// Name of the kind of fault.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Graph(error) => error.code(),
+            Self::Stale { .. } => "stale-plan",
+            Self::Refused { .. } => "set",
+            Self::Write(error) => error.code(),
+            Self::Busy { .. } => "busy",
+        }
+    }
+
+    /// What would help, where it is known.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Graph(error) => error.hint(),
+            Self::Stale { .. } => Some("make the plan again; what has not changed is not evaluated again".to_owned()),
+            Self::Busy { .. } => Some("wait for it, or name another folder".to_owned()),
+            Self::Refused { .. } | Self::Write(_) => None,
+        }
+    }
+}
 
 /// A session that evaluates row after row, so that what rows have in common is computed once.
 pub struct Bench {
@@ -44,6 +117,7 @@ pub struct RowResult {
 impl Bench {
     /// A session of so many threads (0: all there are) and so much memory for results, bytes.
     /// `store`: where results outlive it.
+    #[must_use]
     pub fn new(registry: Arc<Registry>, threads: usize, cache_bytes: usize, store: Option<Arc<dyn Store>>) -> Self {
         Self { registry, threads, cache_bytes, store, loaded: None }
     }
@@ -56,7 +130,7 @@ impl Bench {
     ///
     /// # Errors
     /// If it is not the graph that the plan was made for.
-    pub fn load(&mut self, planned: &Planned) -> Result<&mut RowEvaluator, Wrong> {
+    pub fn load(&mut self, planned: &Planned) -> Result<&mut RowEvaluator, SweepError> {
         let at_hand = self.loaded.take().filter(|(graph, _)| *graph == planned.graph);
         let (_, evaluator) = match at_hand {
             Some(loaded) => self.loaded.insert(loaded),
@@ -71,9 +145,7 @@ impl Bench {
         if evaluator.takes(&planned.row) {
             return Ok(evaluator);
         }
-        let (graph, key) = (planned.graph.display(), &planned.row.key);
-        let message = format!("{graph}, or the program, is another than when row {key} was planned");
-        Err(Wrong::new("stale-plan", message).hint("make the plan again; what has not changed is not evaluated again"))
+        Err(SweepError::Stale { graph: planned.graph.clone(), key: planned.row.key.clone() })
     }
 
     /// Evaluates a row and writes its result into `dir`; `None` if it was cancelled: then nothing is written.
@@ -85,11 +157,10 @@ impl Bench {
         planned: &Planned,
         control: &Control<'_>,
         dir: &Path,
-    ) -> Result<Option<RowResult>, Wrong> {
+    ) -> Result<Option<RowResult>, SweepError> {
         let evaluator = self.load(planned)?;
-        let report = evaluator.evaluate(&planned.row, control).map_err(|d| {
-            Wrong::new("set", format!("row {} sets a value that its input refuses", planned.row.key)).because(vec![d])
-        })?;
+        let refused = |d| SweepError::Refused { key: planned.row.key.clone(), because: Box::new(d) };
+        let report = evaluator.evaluate(&planned.row, control).map_err(refused)?;
         if report.cancelled {
             return Ok(None);
         }
@@ -104,7 +175,7 @@ fn write(
     planned: &Planned,
     mut diagnostics: Vec<Diagnostic>,
     dir: &Path,
-) -> Result<RowResult, Wrong> {
+) -> Result<RowResult, SweepError> {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     let n = COUNT.fetch_add(1, Ordering::Relaxed);
     let key = &planned.row.key;
@@ -113,7 +184,7 @@ fn write(
     let files_in = folder.0.join("files");
     fs::create_dir_all(&files_in).map_err(io_at(&files_in))?;
     let mut staged = Staged::default();
-    let made = files::stage(&mut staged, evaluator.session().files(), Some(&files_in), false)?;
+    let made = made::stage(&mut staged, evaluator.session().files(), Some(&files_in), false)?;
     diagnostics.extend(made.iter().filter_map(Made::diagnostic));
     let result = result(evaluator, planned, &diagnostics, &made, &folder.0);
     staged.add(&folder.0.join(RESULT), format!("{result:#}\n").as_bytes())?;
@@ -161,13 +232,13 @@ fn result(
         "set": planned.row.set,
         "ok": errors == 0 && made.iter().all(|f| !f.withheld),
         "values": evaluator.values(),
-        "diagnostics": to_json(diagnostics),
+        "diagnostics": diagnostics,
         "files": files,
         "inputs": evaluator.inputs(),
     }))
 }
 
-fn io_at(path: &Path) -> impl FnOnce(io::Error) -> Wrong + '_ {
+fn io_at(path: &Path) -> impl FnOnce(io::Error) -> SweepError + '_ {
     |error| WriteError::Io { path: path.to_owned(), error }.into()
 }
 
@@ -250,32 +321,29 @@ pub fn finished(dir: &Path, planned: &Planned, inputs: &mut Inputs) -> Option<Js
 pub struct Lock(Option<File>);
 
 impl Lock {
-    fn file(dir: &Path) -> Result<File, Wrong> {
+    fn file(dir: &Path) -> Result<File, SweepError> {
         let path = dir.join(".tenon-sweep.lock");
         File::options().create(true).truncate(false).write(true).open(&path).map_err(io_at(&path))
     }
 
-    fn of(file: File, locked: Result<(), TryLockError>, dir: &Path) -> Result<Self, Wrong> {
+    fn of(file: File, locked: Result<(), TryLockError>, dir: &Path) -> Result<Self, SweepError> {
         match locked {
             Ok(()) => Ok(Self(Some(file))),
-            Err(TryLockError::WouldBlock) => {
-                let message = format!("another sweep works in {}", dir.display());
-                Err(Wrong::new("busy", message).hint("wait for it, or name another folder"))
-            }
+            Err(TryLockError::WouldBlock) => Err(SweepError::Busy { dir: dir.to_owned() }),
             // A file system without locks: results are whole all the same.
             Err(TryLockError::Error(_)) => Ok(Self(None)),
         }
     }
 
     /// Beside others that evaluate single rows.
-    pub fn shared(dir: &Path) -> Result<Self, Wrong> {
+    pub fn shared(dir: &Path) -> Result<Self, SweepError> {
         let file = Self::file(dir)?;
         let locked = file.try_lock_shared();
         Self::of(file, locked, dir)
     }
 
     /// Alone; clears away what killed processes have left.
-    pub fn alone(dir: &Path) -> Result<Self, Wrong> {
+    pub fn alone(dir: &Path) -> Result<Self, SweepError> {
         let file = Self::file(dir)?;
         let locked = file.try_lock();
         let lock = Self::of(file, locked, dir)?;
