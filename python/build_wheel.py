@@ -32,8 +32,8 @@ def main() -> None:
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
     tag = f"py3-none-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
     info = f"tenon-{VERSION}.dist-info"
-    files = {f"tenon/{p.name}": p.read_bytes() for p in sorted((HERE / "tenon").iterdir()) if p.suffix in (".py", ".typed")}
-    files["tenon/py.typed"] = b""
+    modules = sorted(p for p in (HERE / "tenon").rglob("*") if p.suffix in (".py", ".typed"))
+    files = {p.relative_to(HERE).as_posix(): p.read_bytes() for p in modules}
     files[f"tenon/{LIBRARY}"] = (target / "release" / LIBRARY).read_bytes()
     files[f"{info}/METADATA"] = METADATA.encode()
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: build_wheel.py\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()

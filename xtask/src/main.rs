@@ -3,6 +3,7 @@
 
 mod bench;
 mod codes;
+mod dist;
 mod docs;
 mod picture;
 
@@ -15,9 +16,10 @@ static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 const USAGE: &str = "\
 cargo xtask bench chain [CASE]...   measure the chain; one JSON line per figure (docs/benchmarks.md)
 cargo xtask bench engine [NODES]... the engine beside its peers, at these sizes or at all
-cargo xtask bench abi [CASE]...     what it costs to cross to a plugin
+cargo xtask bench abi [CASE]...     what it costs to cross to a plugin, and from a host
 cargo xtask bench cancel [CASE]...  how long jobs go on after they were told to stop; FILE.obj is planarized
 cargo xtask bench editor            what the editor's window costs, without a screen
+cargo xtask dist [--no-editor]      lay out target/dist as it is installed
 cargo xtask docs [--check]          write docs/nodes.md and the codes of docs/diagnostics.md, or only compare
 cargo xtask picture                  draw docs/shell-256.svg from graphs/shell-256
 cargo xtask screenshots              draw the pictures of the editor in docs/";
@@ -31,6 +33,8 @@ fn main() -> ExitCode {
         ["bench", "abi", cases @ ..] => bench::abi::run(cases),
         ["bench", "cancel", cases @ ..] => bench::cancel::run(cases),
         ["bench-plugin-host", library, memory] => bench::abi::serve(library, memory),
+        ["dist"] => dist::run(true),
+        ["dist", "--no-editor"] => dist::run(false),
         ["bench-child", rest @ ..] => bench::growth::child(rest),
         ["picture"] => picture::write(),
         ["screenshots"] => editor(&["run", "-p", "tenon-editor", "--example", "screenshots"]),

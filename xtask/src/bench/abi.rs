@@ -1,5 +1,6 @@
 //! The suite `abi`: what it costs to cross the boundary to a plugin, in this process and to one of its own. The peers are
-//! what no contract can beat: a plain function pointer and memcpy. The plugin is `benches/abi/nodes.c`.
+//! what no contract can beat: a plain function pointer and memcpy. The plugin is `benches/abi/nodes.c`; `host` is the other
+//! boundary.
 
 use super::figure::Figure;
 use std::hint::black_box;
@@ -25,6 +26,7 @@ const CASES: &[Case] = &[
     ("points", points),
     ("apart_number", apart_number),
     ("apart_points", apart_points),
+    ("host", super::host::round_trip),
 ];
 
 /// Measures the named cases, or all.

@@ -6,6 +6,7 @@ pub mod chain;
 pub mod engine;
 mod figure;
 pub mod growth;
+mod host;
 mod memory;
 mod peer;
 mod shell;
