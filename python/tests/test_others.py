@@ -64,8 +64,11 @@ def test_rhino_files_hold_what_was_written(tmp_path):
 
 def test_types_are_sound():
     other("mypy")
+    package, environment = Path(tenon.__file__).parent, dict(os.environ)
+    if "site-packages" not in package.parts:
+        environment["MYPYPATH"] = str(package.parent)
     # What the package promises, checked from inside and as a user's program sees it.
-    package = Path(tenon.__file__).parent
-    for what in (package, HERE / "typed_use.py"):
-        done = subprocess.run([sys.executable, "-m", "mypy", "--strict", str(what)], capture_output=True, text=True)
+    for what in (["-p", "tenon"], [str(HERE / "typed_use.py")]):
+        command = [sys.executable, "-m", "mypy", "--strict", *what]
+        done = subprocess.run(command, capture_output=True, text=True, env=environment)
         assert done.returncode == 0, done.stdout

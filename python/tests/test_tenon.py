@@ -1,13 +1,17 @@
 """The package against the library: values are views, errors have places, nothing leaks."""
 
+import ctypes as c
 import gc
 import os
+import platform
+import sys
 import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tenon
+from tenon import _c
 
 ROOT = Path(__file__).resolve().parents[2]
 SHELL = ROOT / "graphs" / "shell-256"
@@ -236,3 +240,25 @@ if os.environ.get("TENON_TEST_PLUGIN"):
     def test_plugins_bring_node_types():
         engine = tenon.Engine(plugins=[os.environ["TENON_TEST_PLUGIN"]])
         assert engine.describe("hinges.butt_hinge")["category"] == "Joint"
+
+
+STRUCTS = {"evaluate_options": "Options", "engine_config": "Config", "vec3": "Vec3"}
+
+
+def test_structs_lie_as_the_headers_say():
+    if sys.platform != "linux" or platform.machine() != "x86_64":
+        pytest.skip("the layout is written down for x86_64 Linux")
+    lines = []
+    for file in ("capi/tests/layout-x86_64-linux.txt", "plugin-sdk/tests/layout-x86_64-linux.txt"):
+        lines += (ROOT / file).read_text().splitlines()
+    structs, struct = 0, None
+    for line in lines:
+        name, number = line.split()
+        if not line.startswith(" "):
+            bare = name.removeprefix("tenon_")
+            struct = getattr(_c, STRUCTS.get(bare, "".join(part.title() for part in bare.split("_"))), None)
+            structs += struct is not None
+            assert struct is None or c.sizeof(struct) == int(number), name
+        elif struct is not None:
+            assert getattr(struct, name).offset == int(number), f"{struct}.{name}"
+    assert structs >= 15
