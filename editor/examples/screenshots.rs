@@ -38,4 +38,52 @@ fn main() {
     w.app().lower.toggle(tenon_editor::panels::Tab::Profile);
     w.steps(4);
     save(&mut w, "editor-light");
+    inside(save);
+    open(save);
+    for name in ["quad-mesh", "shell-21mm", "shell-256", "three-strips"] {
+        thumbnail(name);
+    }
+}
+
+/// A cluster from inside, with a group and a note, on a dark ground.
+fn inside(save: impl Fn(&mut Window, &str)) {
+    let mut w = Window::sized(Some(&example("three-strips")), vec2(1280.0, 760.0));
+    w.app().model.enter("low").unwrap();
+    w.app().canvas.opened();
+    w.settle();
+    let arc = w.app().model.document().nodes().keys().filter(|id| id.starts_with("arc_")).cloned().collect();
+    w.app().model.selection = arc;
+    let group = tenon_editor::canvas::group(&w.app().model);
+    w.app().model.edit(group);
+    let title = w.app().model.set_in_group("group 1", "title", Some("Control points of the arc".into()));
+    w.app().model.edit(title);
+    let (id, add) = w.app().model.new_node("note", [250.0, -420.0]);
+    w.app().model.edit(add);
+    let text = Some("Every strip bends over its own arc.\nThe folds are the same in all of them.".into());
+    w.app().model.edit(tenon_engine::Operation::SetParam { node: id, port: "text".into(), value: text });
+    w.app().model.selection.clear();
+    w.app().canvas.show_all();
+    w.settle();
+    save(&mut w, "editor-inside");
+}
+
+/// The shell cut open, with its tool paths, and the list of its pieces, on a light ground.
+fn open(save: impl Fn(&mut Window, &str)) {
+    let mut w = Window::sized(Some(&example("shell-256")), vec2(1280.0, 760.0));
+    w.harness.ctx.set_theme(eframe::egui::Theme::Light);
+    w.app().viewport.tool_paths = true;
+    w.app().viewport.clip = Some(tenon_editor::viewport::Clip { axis: 0, at: 2600.0, below: false });
+    w.app().lower.toggle(tenon_editor::panels::Tab::Pieces);
+    w.settle();
+    save(&mut w, "editor-open");
+}
+
+/// The picture of an example for the window's list of examples.
+fn thumbnail(name: &str) {
+    let mut w = Window::sized(Some(&example(name)), vec2(1000.0, 640.0));
+    w.harness.ctx.set_theme(eframe::egui::Theme::Light);
+    w.app().viewport.show_all();
+    w.settle();
+    let picture = w.app().viewport.picture([320, 200]).unwrap();
+    picture.save(root().join(format!("graphs/{name}/{name}.png"))).unwrap();
 }

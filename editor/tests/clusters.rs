@@ -46,6 +46,10 @@ fn clusters_are_entered_changed_named_and_left() {
     assert!(model.value("thicken.panels").is_some(), "values are those of the instance");
     assert!(model.results.drawings.contains_key("low/thicken.panels"), "{:?}", model.results.drawings.keys());
     w.picture("inside");
+    // What the instance says of a coordinate counts, and no hand can move it there.
+    let handles = w.app().model.handles();
+    let top = handles.iter().find(|h| h.node == "arc_2").unwrap();
+    assert_eq!((top.at.z, top.free), (1000.0, [true, true, false]));
 
     // A change inside is one of the definition, and all instances follow.
     let area = w.app().model.results.values["area.sum"].digest();

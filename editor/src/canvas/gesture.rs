@@ -158,7 +158,8 @@ impl Canvas {
             self.finish(area, pointer, model);
         }
         if let Some(at) = pointer.filter(|_| response.double_clicked()) {
-            self.double_click(area, at, model);
+            let raw = ui.input(|i| i.modifiers.command);
+            self.double_click(area, at, raw, model);
         } else if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) {
             self.click(ui, area, at, model);
         }
@@ -405,10 +406,12 @@ impl Canvas {
         model.edit(operation);
     }
 
-    /// Opens what a value is edited by: lists as tables, everything else as a text.
-    fn edit_value(&mut self, node: String, port: PortInfo, model: &Model) {
+    /// Opens what a value is edited by: lists as tables, choices as menus, everything else, and `raw` ones, as a text.
+    fn edit_value(&mut self, node: String, port: PortInfo, raw: bool, model: &Model) {
         let value = model.param(&node, &port.name).or_else(|| port.default.clone());
-        if table::edits(&port, value.as_ref()) {
+        if raw {
+            self.typing = Some(Typing::raw(node, port.name, model));
+        } else if table::edits(&port, value.as_ref()) {
             self.table = Some(Table::new(node, port));
         } else {
             self.typing = Some(Typing::new(node, port.name, model));
@@ -436,12 +439,12 @@ impl Canvas {
         }
     }
 
-    fn double_click(&mut self, area: Rect, at: Pos2, model: &mut Model) {
+    fn double_click(&mut self, area: Rect, at: Pos2, raw: bool, model: &mut Model) {
         match self.hit(area, at, model) {
             Hit::Nothing => self.finder = Some(Finder::new(at, None)),
             Hit::Value(n, i, _) => {
                 let shape = &self.shapes.nodes[n];
-                self.edit_value(shape.id.clone(), shape.inputs[i].clone(), model);
+                self.edit_value(shape.id.clone(), shape.inputs[i].clone(), raw, model);
             }
             Hit::Node(n) => {
                 let shape = &self.shapes.nodes[n];

@@ -26,6 +26,8 @@ pub struct Typing {
     what: What,
     /// It may have several lines.
     lines: bool,
+    /// It is typed even where there is a choice.
+    raw: bool,
     text: String,
     /// The field was shown.
     begun: bool,
@@ -42,18 +44,31 @@ impl Typing {
             info.inputs.iter().find(|p| p.name == port)?.default.clone()
         });
         let lines = there.is_some_and(|n| matches!(n.type_name.as_str(), "note" | "text"));
-        Self { node, what: What::Value(port), lines, text: param::to_text(value.as_ref()), begun: false, asked: false }
+        Self {
+            node,
+            what: What::Value(port),
+            lines,
+            raw: false,
+            text: param::to_text(value.as_ref()),
+            begun: false,
+            asked: false,
+        }
+    }
+
+    /// A field for the value of an input as the file has it, whatever is offered otherwise.
+    pub fn raw(node: String, port: String, model: &Model) -> Self {
+        Self { raw: true, ..Self::new(node, port, model) }
     }
 
     /// A field for the id of a node.
     pub fn rename(node: String) -> Self {
-        Self { text: node.clone(), node, what: What::Id, lines: false, begun: false, asked: false }
+        Self { text: node.clone(), node, what: What::Id, lines: false, raw: false, begun: false, asked: false }
     }
 
     /// A field for the title of a group.
     pub fn title(group: String, model: &Model) -> Self {
         let text = groups::title(model.document(), &group).to_owned();
-        Self { text, node: group, what: What::Title, lines: false, begun: false, asked: false }
+        Self { text, node: group, what: What::Title, lines: false, raw: false, begun: false, asked: false }
     }
 
     /// The input whose value is typed.
@@ -82,7 +97,7 @@ impl Typing {
 
     /// Shows it at `place`; false once it is closed.
     pub fn show(&mut self, ui: &mut Ui, place: Rect, area: Rect, model: &mut Model, zoom: f32) -> bool {
-        let choices = self.choices(model);
+        let choices = if self.raw { Vec::new() } else { self.choices(model) };
         let mut open = true;
         let id = Id::new(("typing", &self.node, self.port()));
         let shown =

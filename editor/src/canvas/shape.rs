@@ -257,6 +257,6 @@ pub fn note_text(node: &Node) -> String {
 
 /// Room for the text of a note: about so many letters to a line.
 fn note_size(text: &str) -> Vec2 {
-    let lines = text.split('\n').map(|l| l.chars().count().div_ceil(30).max(1)).sum::<usize>();
+    let lines = text.split('\n').map(|l| l.chars().count().div_ceil(34).max(1)).sum::<usize>();
     vec2(NOTE, 16.0 + lines as f32 * 18.0)
 }

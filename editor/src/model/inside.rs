@@ -2,9 +2,11 @@
 //! those of the instance.
 
 use super::Model;
+use super::handle::{self, Handle};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use tenon_engine::{Cluster, Diagnostic, Document, Node, Operation};
+use tenon_nodes::value::Point;
 
 /// A cluster that was entered.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -141,6 +143,27 @@ impl Model {
             Some(e) => self.results.values.get(&format!("{}/{output}", e.path)),
             None => self.results.values.get(output),
         }
+    }
+
+    /// All points on the canvas that a hand can move. Inside a cluster, coordinates that the instance sets are where it has them, and
+    /// stay. O(nodes + points).
+    #[must_use]
+    pub fn handles(&self) -> Vec<Handle> {
+        let mut all = handle::handles(self.document(), &self.catalog);
+        if self.inside.is_empty() {
+            return all;
+        }
+        let exposed = |address: &str| self.document().inputs.values().any(|i| i.ports.iter().any(|p| p == address));
+        for h in all.iter_mut().filter(|h| h.place == handle::Place::Coordinates) {
+            let value = self.value(&format!("{}.point", h.node)).and_then(|t| t.first::<Point>());
+            let Some(value) = value else { continue };
+            for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+                if exposed(&format!("{}.{axis}", h.node)) {
+                    (h.free[k], h.at[k]) = (false, value.0[k]);
+                }
+            }
+        }
+        all
     }
 
     /// Gives a definition another name; its instances follow.

@@ -114,7 +114,7 @@ fn profile(ui: &mut Ui, model: &Model) -> Option<String> {
     let bytes: usize = all.iter().map(|(_, r)| r.bytes).sum();
     let total: Duration = all.iter().map(|(_, r)| r.time).sum();
     ui.label(format!(
-        "{} of work; the longest chain takes {} ({} nodes, ●); results take {}",
+        "{} of work; the longest chain takes {} ({} nodes, ■); results take {}",
         theme::duration(total),
         theme::duration(longest),
         critical.len(),
@@ -134,7 +134,7 @@ fn profile(ui: &mut Ui, model: &Model) -> Option<String> {
                 painter.text(rect.left_center() + vec2(x, 0.0), align, words, font.clone(), theme.text);
             };
             let on = model.local(id).is_some_and(|id| critical.iter().any(|c| c == id));
-            text(4.0, Align2::LEFT_CENTER, if on { "●".into() } else { String::new() });
+            text(4.0, Align2::LEFT_CENTER, if on { "■".into() } else { String::new() });
             text(18.0, Align2::LEFT_CENTER, (*id).clone());
             text(210.0, Align2::RIGHT_CENTER, theme::duration(r.time));
             text(290.0, Align2::RIGHT_CENTER, crate::canvas::bytes(r.bytes));

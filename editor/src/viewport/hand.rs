@@ -2,7 +2,7 @@
 
 use super::Camera;
 use crate::model::Model;
-use crate::model::handle::{Handle, Place, handles, set_weight, weight};
+use crate::model::handle::{Handle, Place, set_weight, weight};
 use crate::theme::Theme;
 use eframe::egui::{
     Area, Color32, DragValue, Frame, Id, Key, Order, Pos2, Rect, Sense, Stroke, Ui, WidgetInfo, WidgetType, vec2,
@@ -15,9 +15,9 @@ const GRID: f64 = 10.0;
 /// Which points there are and which one is being moved.
 #[derive(Default)]
 pub struct Hand {
-    /// All points, and the revision that they are of.
+    /// All points, and the revision and results that they are of.
     points: Vec<Handle>,
-    of: Option<u64>,
+    of: Option<(u64, u64)>,
     /// The point as it was when it was taken, and its distance from the pointer then.
     taken: Option<(Handle, DVec3)>,
     chosen: Option<Handle>,
@@ -28,9 +28,10 @@ pub struct Hand {
 impl Hand {
     /// Shows all points and moves the one that is taken; true if one was clicked.
     pub fn show(&mut self, ui: &mut Ui, area: Rect, camera: &Camera, model: &mut Model) -> bool {
-        if self.of != Some(model.revision()) {
-            self.points = handles(model.document(), &model.catalog);
-            self.of = Some(model.revision());
+        let now = (model.revision(), model.results.count);
+        if self.of != Some(now) {
+            self.points = model.handles();
+            self.of = Some(now);
         }
         let theme = Theme::of(ui);
         let painter = ui.painter_at(area);
