@@ -249,6 +249,9 @@ pub struct WatchArgs {
     /// Give an input a value, as for `tenon run`; it stays whatever the file says
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
+    /// Evaluate only this and show its value after every evaluation; NAME is an interface output or node.port
+    #[arg(long, value_name = "NAME", conflicts_with = "out")]
+    pub get: Vec<String>,
     /// Write the graph's files into this folder after every evaluation (made if it is not there)
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

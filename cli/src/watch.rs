@@ -43,6 +43,8 @@ pub fn watch(args: &WatchArgs) -> Result<End, Wrong> {
     let mut live = Live::new(registry, Document::new(), options, || {}).map_err(no_thread)?;
     live.lock(true);
     update(&mut live, document, &sets)?;
+    // A name that nobody knows is told with each evaluation, as long as the file does not know it.
+    live.set_goals(&args.get.iter().map(String::as_str).collect::<Vec<_>>());
     live.lock(false);
     voice.say(&format!("watching {}; Ctrl-C ends", file.display()));
 
@@ -108,11 +110,16 @@ fn tell(live: &Live, snapshot: &Snapshot, graph: &Path, args: &WatchArgs, voice:
         json["graph"] = graph.display().to_string().into();
         json["diagnostics"] = to_json(&diagnostics);
         json["files"] = made.iter().filter_map(Made::path).map(|p| Json::from(p.display().to_string())).collect();
+        let values = args.get.iter().filter_map(|name| Some((name.clone(), snapshot.value(name)?.to_json())));
+        if !args.get.is_empty() {
+            json["values"] = values.collect::<serde_json::Map<_, _>>().into();
+        }
         // One line, so that whoever reads along knows where it ends.
         return print(&format!("{json}\n"));
     }
     let mut lines = ran(&report.nodes);
-    for name in live.document().outputs.keys() {
+    let outputs = live.document().outputs.keys().filter(|name| !args.get.contains(name));
+    for name in outputs.chain(&args.get) {
         if let Some(tree) = snapshot.value(name) {
             lines.push(crate::run::value_line(live.document(), live.registry(), name, tree));
         }

@@ -128,6 +128,24 @@ fn people_are_told_what_ran_and_for_how_long() {
 }
 
 #[test]
+fn only_what_is_asked_for_is_evaluated_and_shown() {
+    let folder = Folder::with("g.tenon.json", COPY);
+    folder.write("in.obj", TRIANGLE);
+    let watch = Watch::start(&folder, &[".", "--get", "n.value", "--json"]);
+    let first = watch.json();
+    assert_eq!(first["values"]["n.value"]["branches"]["{0}"], serde_json::json!([1.0]), "{first}");
+    assert_eq!((happened(&first, "n"), happened(&first, "r")), (Some("executed"), None), "{first}");
+    folder.write("g.tenon.json", COPY.replace(r#""value": 1"#, r#""value": 5"#));
+    let second = watch.json();
+    assert_eq!(second["values"]["n.value"]["branches"]["{0}"], serde_json::json!([5.0]), "{second}");
+    assert_eq!(watch.end(), Some(0));
+    let people = Watch::start(&folder, &[".", "--get", "n.value"]);
+    until(&people.out, "n.value: 5.000");
+    assert_eq!(people.end(), Some(0));
+    folder.tenon(&["watch", ".", "--get", "n.value", "--out", "out"]).code(2);
+}
+
+#[test]
 fn what_cannot_be_watched_ends_at_once() {
     let folder = Folder::with("g.tenon.json", NUMBERS);
     folder.tenon(&["watch", "gone.tenon.json"]).code(2);

@@ -7,14 +7,26 @@ use crate::port::{Access, Port};
 use crate::registry::NodeType;
 use crate::stop::Stoppable;
 use crate::value::{Column, Item, Text, Tree};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
+
+/// The most items that one run of a node makes out of few, all lanes together, and the most lanes that it runs: more would
+/// fill the memory and is more likely a slip than a wish.
+pub const MOST_ITEMS: usize = 50_000_000;
+
+/// The lists of a node would not fit.
+pub(crate) fn too_many(count: u64) -> Fail {
+    let message = format!("the lists that this node makes would come to {count} items; the most is {MOST_ITEMS}");
+    Fail::new("too-many-items", message).hint("make shorter lists, or match them by longest instead of cross")
+}
 
 /// Says how far a node is and whether it should stop; a plain copy, fit for closures that run on many threads.
 #[derive(Clone, Copy)]
 pub struct Monitor<'a> {
     pub(crate) cancel: &'a Arc<AtomicBool>,
     pub(crate) report: Option<&'a (dyn Fn(f64) + Sync)>,
+    /// Items that all lanes of the node have said that they make.
+    pub(crate) made: &'a AtomicU64,
     /// Share of the node's work that earlier lanes have done, and that this lane is.
     pub(crate) span: (f64, f64),
 }
@@ -258,6 +270,17 @@ impl<'a> Call<'a> {
         if let Some((i, _)) = self.any_output(port) {
             self.put(i, |o, lane| o.set_tree(lane, tree));
         }
+    }
+
+    /// To be called before a list is made that may be much longer than what came in: it will have `count` items.
+    ///
+    /// # Errors
+    /// If that is more than [`MOST_ITEMS`], in this lane or with what other lanes of the node have asked for; then the
+    /// node as a whole fails, whichever lane came last.
+    pub fn reserve(&self, count: usize) -> Result<(), Fail> {
+        let count = count as u64;
+        let before = self.monitor.made.fetch_add(count, Ordering::Relaxed);
+        if before.saturating_add(count) <= MOST_ITEMS as u64 { Ok(()) } else { Err(too_many(count)) }
     }
 
     fn lane_index(&self) -> Option<usize> {

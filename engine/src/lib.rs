@@ -17,7 +17,7 @@ pub mod stop;
 pub mod sweep;
 mod value;
 
-pub use call::{Call, Monitor};
+pub use call::{Call, MOST_ITEMS, Monitor};
 pub use diagnostic::{CODES, Code, Diagnostic, Fail, Severity, nearest};
 pub use document::{
     Cluster, DEFAULT_SIZE_LIMIT, DEPTH_LIMIT, Document, Fields, History, InterfaceInput, InterfaceOutput, Link,

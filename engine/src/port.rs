@@ -319,7 +319,7 @@ impl Port {
         if self.access == Access::Item && column.is_empty() {
             return Err(fail(format!("an empty list is no {}", self.item_type.name)));
         }
-        if let Some((_, fail)) = self.check(&column).into_iter().next() {
+        if let Some(fail) = self.check(&column).told.into_iter().next() {
             return Err(fail);
         }
         Ok(Tree::column(column))
@@ -391,33 +391,37 @@ impl Port {
     pub(crate) fn accepts_all(&self, column: &Column) -> bool {
         match column.slice::<f64>() {
             Some(&[v]) if self.range.is_none() && !column.has_gaps() => v.is_finite(),
-            _ => self.check(column).is_empty(),
+            _ => self.check(column).places.is_empty(),
         }
     }
 
     /// Items that the port does not accept: not finite, out of range, not among the choices. O(n).
-    pub(crate) fn check(&self, column: &Column) -> Vec<(usize, Fail)> {
-        let mut bad = Vec::new();
+    pub(crate) fn check(&self, column: &Column) -> Bad {
+        let mut bad = Bad::default();
         if let Some(numbers) = column.slice::<f64>() {
             let (min, max) = self.range.unwrap_or((f64::MIN, f64::MAX));
             for (i, v) in numbers.iter().stoppable().enumerate() {
                 // NaN fails this comparison too.
                 if !(*v >= min && *v <= max) && column.is_valid(i) {
-                    bad.push((i, if v.is_finite() { self.out_of_range(*v, min, max) } else { self.not_finite(*v) }));
+                    let why = || if v.is_finite() { self.out_of_range(*v, min, max) } else { self.not_finite(*v) };
+                    bad.push(i, why);
                 }
             }
         } else if let (Some(numbers), Some((min, max))) = (column.slice::<i64>(), self.range) {
             for (i, v) in numbers.iter().stoppable().enumerate() {
                 if !(*v as f64 >= min && *v as f64 <= max) && column.is_valid(i) {
-                    bad.push((i, self.out_of_range(*v as f64, min, max)));
+                    bad.push(i, || self.out_of_range(*v as f64, min, max));
                 }
             }
         } else if let (Some(texts), false) = (column.slice::<Text>(), self.choices.is_empty()) {
             for (i, v) in texts.iter().stoppable().enumerate() {
                 if column.is_valid(i) && !self.choices.iter().any(|c| **c == *v.0) {
-                    let fail = Fail::new("not-a-choice", format!("\"{v}\" is not one of {}", self.choices.join(", ")));
-                    let hint = did_you_mean(&v.0, self.choices.iter().map(|c| &**c));
-                    bad.push((i, hint.into_iter().fold(fail, Fail::hint).port(self.name.to_string())));
+                    bad.push(i, || {
+                        let message = format!("\"{v}\" is not one of {}", self.choices.join(", "));
+                        let hint = did_you_mean(&v.0, self.choices.iter().map(|c| &**c));
+                        let fail = Fail::new("not-a-choice", message).port(self.name.to_string());
+                        hint.into_iter().fold(fail, Fail::hint)
+                    });
                 }
             }
         }
@@ -442,6 +446,27 @@ fn shortened(text: &str) -> Cow<'_, str> {
     match text.char_indices().nth(80) {
         Some((end, _)) => format!("{} ...", &text[..end]).into(),
         None => text.into(),
+    }
+}
+
+/// Items that a port does not accept.
+#[derive(Default)]
+pub(crate) struct Bad {
+    /// Where they are.
+    pub places: Vec<usize>,
+    /// Why, of the first of them: nobody reads millions.
+    pub told: Vec<Fail>,
+}
+
+impl Bad {
+    /// So many are told.
+    const MOST: usize = 10_000;
+
+    fn push(&mut self, place: usize, why: impl FnOnce() -> Fail) {
+        self.places.push(place);
+        if self.told.len() < Self::MOST {
+            self.told.push(why());
+        }
     }
 }
 
@@ -480,6 +505,6 @@ mod tests {
         );
         let border = Port::item::<Text>("border").choices(&["square", "plane"]);
         assert!(literal(&border, json!("sqare")).is_err_and(|e| e.contains("square, plane")));
-        assert!(number().check(&Column::new(vec![f64::NAN, 1.0, f64::INFINITY])).len() == 2);
+        assert!(number().check(&Column::new(vec![f64::NAN, 1.0, f64::INFINITY])).places == [0, 2]);
     }
 }

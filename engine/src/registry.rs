@@ -30,6 +30,8 @@ pub struct NodeType {
     pub(crate) defaults: Vec<Option<Tree>>,
     /// Filled by the registry: digest of name and version, the start of every cache key.
     pub(crate) digest: u128,
+    /// Of what brings it; 0: this program.
+    pub(crate) build: u128,
 }
 
 /// Nodes ask for their ports by name whenever they run, and few names begin alike.
@@ -58,7 +60,16 @@ impl NodeType {
             run: None,
             defaults: Vec::new(),
             digest: 0,
+            build: 0,
         }
+    }
+
+    /// What else its results may depend on, such as the digest of the library that brings it: another build of the same
+    /// version finds none of the results that were remembered or kept of this one.
+    #[must_use]
+    pub fn build(mut self, digest: u128) -> Self {
+        self.build = digest;
+        self
     }
 
     /// Name for people.
@@ -397,6 +408,9 @@ impl Registry {
         let mut d = Digester::new();
         d.str(&node.type_name);
         d.u32(node.version);
+        if node.build != 0 {
+            d.u128(node.build);
+        }
         node.digest = d.finish();
         self.nodes.insert(node.type_name.clone(), Arc::new(node));
         Ok(())

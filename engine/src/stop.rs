@@ -34,11 +34,7 @@ impl Drop for Restore {
 /// Runs `work` such that [`check`] on this thread looks at `flag`; `None` if it stopped there. Other panics go through.
 pub(crate) fn within<R>(flag: &Arc<AtomicBool>, work: impl FnOnce() -> R) -> Option<R> {
     let _restore = Restore(FLAG.replace(Some(flag.clone())));
-    match catch_unwind(AssertUnwindSafe(work)) {
-        Ok(done) => Some(done),
-        Err(payload) if is_stop(&*payload) => None,
-        Err(payload) => resume_unwind(payload),
-    }
+    caught(work)
 }
 
 /// Whether a caught panic is none but [`check`]'s way out.
@@ -58,6 +54,16 @@ pub fn is_asked() -> bool {
 pub fn check() {
     if is_asked() {
         resume_unwind(Box::new(Stopped));
+    }
+}
+
+/// Runs `work` such that [`check`] goes no further than here; `None` if it stopped there. For what foreign code calls back,
+/// through whose stack nothing may unwind; call [`check`] again once that has returned.
+pub fn caught<R>(work: impl FnOnce() -> R) -> Option<R> {
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(done) => Some(done),
+        Err(payload) if is_stop(&*payload) => None,
+        Err(payload) => resume_unwind(payload),
     }
 }
 

@@ -265,3 +265,34 @@ fn a_small_budget_does_not_lose_what_a_cancelled_evaluation_had_finished() {
     assert_eq!(log(&mut s), "memo a, executed b, executed z, evicted a, evicted b");
     assert_eq!(s.cache_bytes(), 0);
 }
+
+#[test]
+fn a_frozen_node_that_is_renamed_keeps_its_output() {
+    let mut s = session(json!({
+        "n": {"type": "number", "params": {"value": 1}},
+        "a": {"type": "add", "inputs": {"a": {"from": ["n.value"]}}, "params": {"b": 10}},
+        "b": {"type": "number", "inputs": {"value": {"from": ["a.sum"]}}},
+    }));
+    evaluate(&mut s, &[]);
+    let rename = |from: &str, to: &str| Operation::Rename { from: from.into(), to: to.into() };
+    s.edit(&Operation::SetState { node: "a".into(), state: NodeState::Frozen }).expect("it is there");
+    s.set("n.value", json!(2)).expect("accepted");
+    // Through a third name, while another node takes the first.
+    let there = Operation::All(vec![rename("a", "c"), rename("n", "a"), rename("c", "kept")]);
+    let back = s.edit(&there).expect("all names are free then");
+    evaluate(&mut s, &[]);
+    assert_eq!(
+        (items(&s, "a.value"), items(&s, "kept.sum"), items(&s, "b.value")),
+        (json!([2.0]), json!([11.0]), json!([11.0]))
+    );
+    s.edit(&back).expect("it was so before");
+    evaluate(&mut s, &[]);
+    assert_eq!(
+        (items(&s, "n.value"), items(&s, "a.sum"), items(&s, "b.value")),
+        (json!([2.0]), json!([11.0]), json!([11.0]))
+    );
+    // Once it is on again, it is what comes in.
+    s.edit(&Operation::SetState { node: "a".into(), state: NodeState::On }).expect("it is there");
+    evaluate(&mut s, &[]);
+    assert_eq!(items(&s, "b.value"), json!([12.0]));
+}

@@ -109,6 +109,71 @@ fn a_cross_over_many_branches_is_refused_before_it_fills_the_memory() {
     let report = evaluate(&mut s, &[]);
     assert_eq!(
         lines(&report),
-        ["error[too-many-lanes] x: 13422 of 20000 branches come to 268440000 runs; the most is 268435456"]
+        ["error[too-many-lanes] x: 2501 of 20000 branches come to 50020000 runs; the most is 50000000"]
     );
+}
+
+/// Nothing is made here, only asked for.
+fn modest() -> std::sync::Arc<tenon_engine::Registry> {
+    use tenon_engine::{NodeType, Port, Registry};
+    let mut r = Registry::new();
+    let count = Port::item::<i64>("count");
+    let node = NodeType::new("modest", 1).input(count).output(Port::item::<i64>("count")).run(|c| {
+        let count = c.integer("count")?;
+        c.reserve(usize::try_from(count).unwrap_or(usize::MAX))?;
+        c.set("count", count);
+        Ok(())
+    });
+    r.register(node).expect("test nodes are sound");
+    std::sync::Arc::new(r)
+}
+
+#[test]
+fn lists_that_are_too_long_together_are_refused_with_their_sum_on_any_number_of_threads() {
+    for (counts, told) in [
+        (json!(50_000_000), None),
+        (json!(50_000_001), Some(50_000_001)),
+        (json!(vec![24_999; 2000]), None),
+        (json!(vec![25_001; 2000]), Some(50_002_000)),
+    ] {
+        for threads in [1, 4] {
+            let nodes = json!({"x": {"type": "modest", "params": {"count": counts}}});
+            let options = tenon_engine::Options { threads, ..Default::default() };
+            let mut s = tenon_engine::Session::new(modest(), document(nodes), options);
+            let report = evaluate(&mut s, &[]);
+            let expected: Vec<String> = told
+                .iter()
+                .map(|n| {
+                    format!(
+                        "error[too-many-items] x: the lists that this node makes would come to {n} items; the most is \
+                         50000000 (make shorter lists, or match them by longest instead of cross)"
+                    )
+                })
+                .collect();
+            assert_eq!(lines(&report), expected);
+            assert_eq!(s.value("x.count").is_some(), told.is_none());
+        }
+    }
+}
+
+#[test]
+fn of_very_many_faults_some_are_told_and_the_others_counted() {
+    let number = tenon_engine::MOST_ITEMS.min((1 << 20) + 1);
+    let mut s = session(json!({
+        "s": {"type": "series", "params": {"count": number, "from": -2_000_000}},
+        "r": {"type": "root", "inputs": {"a": {"from": ["s.values"]}}},
+        "t": {"type": "thick", "inputs": {"t": {"from": ["s.values"]}}},
+    }));
+    let report = evaluate(&mut s, &[]);
+    let count = |code: &str, node: &str| {
+        report.diagnostics.iter().filter(|d| d.code == code && d.node.as_deref() == Some(node)).count()
+    };
+    let last = |node: &str| report.diagnostics.iter().rfind(|d| d.node.as_deref() == Some(node)).map(|d| &*d.message);
+    // 1025 pieces of up to 1024 lanes; of the last, one lane.
+    let told = 1024 * 16 + 1;
+    assert_eq!((count("negative", "r"), count("out-of-range", "t")), (told, 10_000));
+    let rest = format!("{} more items have something to say; there are too many of them to tell it all", number - told);
+    assert_eq!(last("r"), Some(&*rest));
+    let rest = format!("the port refuses {} more items like the 10000 that are told", number - 10_000);
+    assert_eq!(last("t"), Some(&*rest));
 }

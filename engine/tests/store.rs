@@ -303,3 +303,24 @@ fn a_length_that_cannot_be_is_no_allocation() {
         assert!(Kept::decode(&bytes, &Registry::new()).is_err());
     }
 }
+
+#[test]
+fn another_build_of_what_brings_a_node_finds_nothing_of_the_first() {
+    let shelf = Arc::new(Shelf::default());
+    let run = |build: u128, value: f64| {
+        let mut r = Registry::new();
+        let node = NodeType::new("brought", 1).build(build).output(Port::item::<f64>("value")).run(move |c| {
+            c.set("value", value);
+            Ok(())
+        });
+        r.register(node).expect("it is sound");
+        let store: Arc<dyn Store> = shelf.clone();
+        let options = Options { store: Some(store), ..Options::default() };
+        let mut s = Session::new(Arc::new(r), document(json!({"x": {"type": "brought"}})), options);
+        evaluate(&mut s, &[]);
+        (items(&s, "x.value"), log(&mut s))
+    };
+    assert_eq!(run(1, 1.0), (json!([1.0]), "executed x".into()));
+    assert_eq!(run(1, 2.0), (json!([1.0]), "disk x".into()));
+    assert_eq!(run(2, 2.0), (json!([2.0]), "executed x".into()));
+}

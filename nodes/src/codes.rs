@@ -263,7 +263,6 @@ pub const CODES: &[Code] = &[
         "The message gives the largest thickness that works.",
     ),
     code("too-large", "A result is larger than a number can hold.", "Take smaller values."),
-    code("too-many-items", "A list would become longer than allowed.", "The message gives the limit."),
     code("tool-too-long", "A tool does not fit between the spindle and the board.", "Take a shorter one."),
     code("tool-too-short", "A tool is too short for what it must cut.", "The message says how long it must be."),
     code(

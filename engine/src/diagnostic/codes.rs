@@ -187,6 +187,11 @@ pub const CODES: &[Code] = &[
         "Take all of its sources into the cluster, or none, or join them in a node of their own.",
     ),
     code(
+        "more-faults",
+        "So many items of one node have a fault that not all of them are told.",
+        "Mend the first ones; the others are likely of the same kind.",
+    ),
+    code(
         "newer-node",
         "The node was written for a newer version of its type than this program has.",
         "Use a newer program.",
@@ -227,6 +232,11 @@ pub const CODES: &[Code] = &[
         "Rename one of the two; slashes stand between an instance and what is inside it.",
     ),
     code("too-deep", "The file nests deeper than the engine reads.", "Make it flatter."),
+    code(
+        "too-many-items",
+        "A list would become longer than allowed, or all lists of one node together.",
+        "The message gives the limit: make shorter lists, or match them by longest instead of cross.",
+    ),
     code(
         "too-many-lanes",
         "Matching would call the node more often than the engine allows.",

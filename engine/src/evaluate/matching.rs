@@ -2,7 +2,7 @@
 //! A lane that fails leaves a gap at its index in every output; item i never meets item i+1's partner.
 
 use super::output::{Output, alone, join};
-use crate::call::{Call, Monitor};
+use crate::call::{Call, MOST_ITEMS, Monitor, too_many};
 use crate::diagnostic::{Fail, Severity};
 use crate::port::{Access, Port};
 use crate::registry::NodeType;
@@ -14,6 +14,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// How items of ports with different lengths meet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -128,8 +129,12 @@ struct Branch<'a> {
     lanes: Lanes,
 }
 
-/// The most lanes all branches together may have: a cross of long lists is more likely a slip than a wish.
-const MOST_LANES: usize = 1 << 28;
+/// The most lanes all branches together may have.
+const MOST_LANES: usize = MOST_ITEMS;
+/// With more lanes than this, each piece of them tells of few faults only: nobody reads millions, and they would fill the
+/// memory.
+const MANY_LANES: usize = 1 << 20;
+const FEW_FAULTS: usize = 16;
 /// Nodes with more inputs than this are never simple.
 const SIMPLE_PORTS: usize = 6;
 /// One lane.
@@ -174,11 +179,16 @@ pub(crate) fn run(
         let size = size.max(1);
         pieces.extend((0..count.div_ceil(size)).map(|i| (b, i * size, ((i + 1) * size).min(count))));
     }
+    let few = branches.iter().map(|b| b.lanes.count).sum::<usize>() > MANY_LANES;
+    let most_faults = if few { FEW_FAULTS } else { usize::MAX };
     let work = |&(b, from, to): &(usize, usize, usize)| {
         let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(to - from)).collect();
         let branch = &branches[b];
         let lot = stop::within(monitor.cancel, || {
-            run_lanes(node_type, &branch.args, branch.lanes, from..to, &mut outputs, monitor)
+            let mut lot =
+                run_lanes(node_type, &branch.args, branch.lanes, from..to, &mut outputs, monitor, most_faults);
+            lot.reports.shrink_to_fit();
+            lot
         });
         Piece { lanes: to - from, outputs, lot: lot.unwrap_or_else(Lot::stopped) }
     };
@@ -187,6 +197,12 @@ pub(crate) fn run(
     } else {
         pieces.iter().map(work).collect()
     };
+    let made = monitor.made.load(Ordering::Relaxed);
+    if made > MOST_ITEMS as u64 && !done.iter().any(|piece| piece.lot.cancelled) {
+        // Which lane was the last to fit is up to the threads.
+        reports.push((Severity::Error, too_many(made)));
+        return Outcome::failure(reports);
+    }
     gather(node_type, &branches, done, reports)
 }
 
@@ -227,12 +243,12 @@ pub(crate) fn run_simple<'a>(
     let path = || path.map_or_else(|| Cow::Owned(Path::root()), Cow::Borrowed);
     if node_type.outputs.len() != 1 {
         let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(1)).collect();
-        let lot = run_lanes(node_type, args, ALONE, 0..1, &mut outputs, monitor);
+        let lot = run_lanes(node_type, args, ALONE, 0..1, &mut outputs, monitor, usize::MAX);
         let outcome = finish_alone(node_type, lot, outputs.into_iter(), &path(), Vec::new());
         return Some(Simple::Outcome(Box::new(outcome)));
     }
     let mut output = [Output::new(1)];
-    let lot = run_lanes(node_type, args, ALONE, 0..1, &mut output, monitor);
+    let lot = run_lanes(node_type, args, ALONE, 0..1, &mut output, monitor, usize::MAX);
     if lot.good == 1
         && root
         && lot.reports.is_empty()
@@ -251,7 +267,7 @@ fn run_alone(
     reports: Vec<(Severity, Fail)>,
 ) -> Outcome {
     let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(1)).collect();
-    let lot = run_lanes(node_type, &branch.args, branch.lanes, 0..1, &mut outputs, monitor);
+    let lot = run_lanes(node_type, &branch.args, branch.lanes, 0..1, &mut outputs, monitor, usize::MAX);
     finish_alone(node_type, lot, outputs.into_iter(), &branch.path, reports)
 }
 
@@ -291,15 +307,22 @@ fn check(input: &mut Input<'_>, port: &Port, reports: &mut Vec<(Severity, Fail)>
     let mut bad_branches = Vec::new();
     for (b, (path, column)) in tree.branches().iter().enumerate() {
         let bad = port.check(column);
-        if bad.is_empty() {
+        if bad.places.is_empty() {
             continue;
         }
         let single = column.len() == 1 && !many;
         let mut order: Vec<Option<usize>> = (0..column.len()).stoppable().map(Some).collect();
-        for (i, fail) in bad {
-            order[i] = None;
+        for i in &bad.places {
+            order[*i] = None;
+        }
+        let (told, more) = (bad.told.len(), bad.places.len() - bad.told.len());
+        for (i, fail) in bad.places.into_iter().zip(bad.told) {
             let fail = if single { fail } else { fail.item(i) };
             reports.push((Severity::Error, if many { fail.hint(format!("in branch {path}")) } else { fail }));
+        }
+        if more > 0 {
+            let message = format!("the port refuses {more} more items like the {told} that are told");
+            reports.push((Severity::Error, Fail::new("more-faults", message).port(port.name.to_string())));
         }
         bad_branches.push((b, column.pick(&order)));
     }
@@ -412,6 +435,8 @@ fn branch<'a>(
 /// How a piece of the lanes went.
 struct Lot {
     reports: Vec<(Severity, Fail)>,
+    /// Reports that are left out because there are too many.
+    untold: usize,
     good: usize,
     bad: usize,
     cancelled: bool,
@@ -420,7 +445,7 @@ struct Lot {
 
 impl Lot {
     fn stopped() -> Self {
-        Self { reports: Vec::new(), good: 0, bad: 0, cancelled: true, panicked: false }
+        Self { reports: Vec::new(), untold: 0, good: 0, bad: 0, cancelled: true, panicked: false }
     }
 }
 
@@ -438,6 +463,7 @@ fn run_lanes(
     range: Range<usize>,
     outputs: &mut [Output],
     monitor: Monitor<'_>,
+    most_faults: usize,
 ) -> Lot {
     let (from, to) = (range.start, range.end);
     let mut reports = Vec::new();
@@ -461,7 +487,10 @@ fn run_lanes(
         bug: None,
     };
     let share = 1.0 / lanes.count.max(1) as f64;
+    let mut untold = 0;
     for lane in from..to {
+        untold += call.reports.len().saturating_sub(most_faults);
+        call.reports.truncate(most_faults);
         if call.monitor.cancelled() {
             cancelled = true;
             break;
@@ -502,7 +531,9 @@ fn run_lanes(
             break;
         }
     }
-    Lot { reports, good, bad, cancelled, panicked }
+    untold += reports.len().saturating_sub(most_faults);
+    reports.truncate(most_faults);
+    Lot { reports, untold, good, bad, cancelled, panicked }
 }
 
 fn gather(
@@ -511,7 +542,7 @@ fn gather(
     done: Vec<Piece>,
     mut reports: Vec<(Severity, Fail)>,
 ) -> Outcome {
-    let (mut good, mut bad, mut panicked) = (0, 0, false);
+    let (mut good, mut bad, mut untold, mut panicked) = (0, 0, 0, false);
     let mut parts: Vec<Vec<(Path, Column)>> =
         node_type.outputs.iter().map(|_| Vec::with_capacity(branches.len())).collect();
     if done.iter().any(|piece| piece.lot.cancelled) {
@@ -531,6 +562,7 @@ fn gather(
             covered += lanes;
             good += lot.good;
             bad += lot.bad;
+            untold += lot.untold;
             panicked |= lot.panicked;
             reports.extend(lot.reports);
             columns.iter_mut().zip(outputs).for_each(|(all, one)| all.push(one));
@@ -544,6 +576,10 @@ fn gather(
         }
     }
     let failed = good == 0 && (bad > 0 || !reports.is_empty());
+    if untold > 0 {
+        let message = format!("{untold} more items have something to say; there are too many of them to tell it all");
+        reports.push((Severity::Warning, Fail::new("more-faults", message)));
+    }
     if failed {
         return Outcome { panicked, ..Outcome::failure(reports) };
     }

@@ -13,7 +13,7 @@ use crate::document::model::NodeState;
 use crate::plan::Slot;
 use crate::value::Tree;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// So many cheap nodes share one reading of the clock.
@@ -42,7 +42,8 @@ impl Session {
             return true;
         }
         let Some(t) = self.plan.node_type(i) else { return false };
-        let monitor = Monitor { cancel, report: None, span: (0.0, 1.0) };
+        let made = AtomicU64::new(0);
+        let monitor = Monitor { cancel, report: None, made: &made, span: (0.0, 1.0) };
         let Some(simple) = matching::run_simple(t, gather::simple(&self.plan, t, i, &self.values), monitor) else {
             return false;
         };

@@ -17,7 +17,7 @@ use crate::registry::NodeType;
 use crate::stop;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -484,7 +484,8 @@ impl Session {
         if meter.tell.is_some() {
             show(0.0);
         }
-        let monitor = Monitor { cancel, report, span: (0.0, 1.0) };
+        let made = AtomicU64::new(0);
+        let monitor = Monitor { cancel, report, made: &made, span: (0.0, 1.0) };
         let outcome = stop::within(cancel, || self.run_with(job, t, monitor, parallel));
         (outcome.unwrap_or_else(Outcome::stopped), Instant::now())
     }

@@ -7,12 +7,13 @@ use super::report::Events;
 use super::state::{NodeRun, Status, Told, Value};
 use super::store::{Store, StoreFault};
 use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
-use crate::document::model::{Document, InterfaceInput, NodeState, split_port};
+use crate::document::model::{Document, InterfaceInput, Node, NodeState, split_port};
 use crate::document::operations::Operation;
 use crate::plan::Plan;
 use crate::registry::Registry;
 use crate::value::digest::Packed;
 use crate::value::{Column, File, Json, Tree};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -112,6 +113,47 @@ pub(crate) fn no_input(document: &Document, name: &str) -> Diagnostic {
     Diagnostic::error("unknown-name", format!("the graph has no input \"{name}\"")).maybe_hint(hint)
 }
 
+/// What an operation renames, from and to, in that order: by name, or, as taking such a step back does, by taking a node away
+/// and putting the same at another id.
+fn renames(operation: &Operation, document: &Document) -> Vec<(String, String)> {
+    let mut all = Vec::new();
+    let mut gone: Vec<(&str, &Node)> = Vec::new();
+    let mut put: BTreeMap<&str, &Node> = BTreeMap::new();
+    for part in operation.parts() {
+        match part {
+            Operation::Rename { from, to } => all.push((from.clone(), to.clone())),
+            Operation::PutNode { id, node: None } => {
+                gone.extend(put.remove(id.as_str()).or_else(|| document.nodes.get(id)).map(|node| (id.as_str(), node)));
+            }
+            Operation::PutNode { id, node: Some(node) } => {
+                // Its wires may go by other names now.
+                let same = |n: &Node| (&n.type_name, n.state, &n.params) == (&node.type_name, node.state, &node.params);
+                if let Some(at) = gone.iter().position(|(_, n)| same(n)) {
+                    all.push((gone.remove(at).0.to_owned(), id.clone()));
+                }
+                put.insert(id, node);
+            }
+            _ => {}
+        }
+    }
+    all
+}
+
+/// The id that a node had before nodes were renamed in that order, none if it was not there. What is within an instance
+/// follows it.
+fn former<'a>(id: &'a str, renames: &'a [(String, String)]) -> Option<Cow<'a, str>> {
+    let now = id.split('/').next().unwrap_or(id);
+    let mut first = now;
+    for (from, to) in renames.iter().rev() {
+        if first == to {
+            first = from;
+        } else if first == from {
+            return None;
+        }
+    }
+    Some(if first == now { Cow::Borrowed(id) } else { Cow::Owned(format!("{first}{}", &id[now.len()..])) })
+}
+
 impl Session {
     /// A session; nothing runs yet. What is wrong with the document shows in [`Document::validate`] and in reports.
     /// Nodes of older versions are migrated. O(nodes + wires).
@@ -180,7 +222,12 @@ impl Session {
     /// Exchanges the document; what nodes had last and remembered results stay, so only what is new runs, and frozen nodes
     /// keep their outputs.
     /// O(nodes + wires).
-    pub fn replace(&mut self, mut document: Document) {
+    pub fn replace(&mut self, document: Document) {
+        self.replace_renamed(document, &[]);
+    }
+
+    /// As [`Session::replace`]; nodes that were given other ids keep what they had. O(nodes × renames + wires).
+    fn replace_renamed(&mut self, mut document: Document, renames: &[(String, String)]) {
         document.read_links(&*self.options.host);
         let told = document.migrate(&self.registry);
         let mut plan = Plan::compile(&document, &self.registry);
@@ -193,7 +240,7 @@ impl Session {
         self.reset();
         self.place_all_given();
         for n in 0..self.plan.nodes.len() {
-            let Some(o) = old_plan.find(&self.plan.ids[n]) else { continue };
+            let Some(o) = former(&self.plan.ids[n], renames).and_then(|id| old_plan.find(&id)) else { continue };
             let (new, old) = (&self.plan.nodes[n], &old_plan.nodes[o]);
             let same = self.plan.node_type(n).zip(old_plan.node_type(o)).is_some_and(|(a, b)| a.digest == b.digest);
             // What it had last stays if it is frozen now or later, and holds as long as what comes in is the same. Without
@@ -321,6 +368,7 @@ impl Session {
     /// # Errors
     /// If an operation is refused; then nothing has changed.
     pub fn edit(&mut self, operation: &Operation) -> Result<Operation, Diagnostic> {
+        let renames = renames(operation, &self.document);
         let inverse = operation.apply(&mut self.document)?;
         self.forget_given(operation);
         use Operation as O;
@@ -348,7 +396,7 @@ impl Session {
             }
             None => {
                 let document = std::mem::take(&mut self.document);
-                self.replace(document);
+                self.replace_renamed(document, &renames);
             }
         }
         Ok(inverse)

@@ -106,7 +106,7 @@ impl Draft {
             let mut reports = Vec::new();
             let tree = convert(tree, port, &self.registry, &mut reports);
             let tree = tree.map_err(|fail| fail.at(Severity::Error, id))?.into_owned();
-            let bad = tree.branches().iter().flat_map(|(_, column)| port.check(column)).map(|(_, fail)| fail);
+            let bad = tree.branches().iter().flat_map(|(_, column)| port.check(column).told);
             if let Some(fail) = reports.into_iter().map(|(_, fail)| fail).chain(bad).next() {
                 return Err(fail.at(Severity::Error, id));
             }

@@ -172,6 +172,7 @@ impl Lane {
     /// Nodes that are gone, or are something else now, have no last outputs; neither have those whose outputs were dropped from
     /// memory before they were frozen.
     fn forget(&mut self) {
+        self.follow();
         let (session, kind) = (&self.session, self.kind);
         self.last.retain(|id, last| {
             let Some(node) = session.document().nodes().get(id) else { return false };
@@ -182,6 +183,24 @@ impl Lane {
             let dropped = !kind.keeps_everything() && node.state == NodeState::Frozen && !there();
             node.type_name == last.type_name && !dropped
         });
+    }
+
+    /// What a node had last goes with it when it is renamed: a frozen node under a new id may have just that.
+    fn follow(&mut self) {
+        let nodes = self.session.document().nodes();
+        let gone: Vec<Last> =
+            self.last.iter().filter(|(id, _)| !nodes.contains_key(*id)).map(|(_, l)| l.clone()).collect();
+        for (id, node) in nodes.iter().filter(|(_, n)| n.state == NodeState::Frozen) {
+            if self.last.contains_key(id) {
+                continue;
+            }
+            let ports = ports_of(self.session.document(), &node.type_name).1;
+            let has: Option<Vec<Tree>> = ports.iter().map(|p| self.session.value(&format!("{id}.{p}"))).collect();
+            let same = |l: &&Last| *l.type_name == *node.type_name && has.as_ref() == Some(&l.outputs);
+            if let Some(last) = gone.iter().find(same) {
+                self.last.insert(id.clone(), last.clone());
+            }
+        }
     }
 
     fn evaluate(&mut self, targets: &[String], cancel_at: Option<usize>) -> Result<Events, String> {

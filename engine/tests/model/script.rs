@@ -334,6 +334,28 @@ fn explode(dice: &mut Dice, shadow: &mut Document) -> Step {
     Step::Explode(id)
 }
 
+/// The same wires in one shape and then in another: only the kind of what is done to the tree differs.
+fn shapes(dice: &mut Dice, shadow: &mut Document) -> Vec<Step> {
+    let all = [TreeOp::Graft, TreeOp::Flatten, TreeOp::Simplify, TreeOp::Reverse];
+    let wired: Vec<(String, String, Wires)> = shadow
+        .nodes()
+        .iter()
+        .flat_map(|(id, n)| n.inputs.iter().map(move |(port, wires)| (id.clone(), port.to_string(), wires.clone())))
+        .collect();
+    if wired.is_empty() {
+        return Vec::new();
+    }
+    let (node, port, mut wires) = dice.of(&wired).clone();
+    let mut steps = Vec::new();
+    for _ in 0..2 {
+        wires.more.tree = vec![*dice.of(&all)];
+        let operation = Operation::PutWires { node: node.clone(), port: port.clone(), wires: Some(wires.clone()) };
+        let _ = operation.apply(shadow);
+        steps.extend([Step::Edit(operation), Step::Evaluate(Vec::new())]);
+    }
+    steps
+}
+
 /// About `length` steps: bursts of edits, each followed by an evaluation.
 pub fn script(seed: i64, length: usize) -> Vec<Step> {
     let mut dice = Dice::new(seed);
@@ -381,7 +403,15 @@ pub fn script(seed: i64, length: usize) -> Vec<Step> {
             steps.push(step);
         }
         if dice.chance(12) {
-            steps.push(Step::Cancel(1 + dice.below(8), targets(&mut dice, &shadow)));
+            let targets = targets(&mut dice, &shadow);
+            steps.push(Step::Cancel(1 + dice.below(8), targets.clone()));
+            // Back to what was before, and on to it again: nothing of what was cancelled may have stayed.
+            if dice.chance(50) {
+                steps.extend([Step::Undo, Step::Evaluate(targets.clone()), Step::Redo, Step::Evaluate(targets)]);
+            }
+        }
+        if dice.chance(12) {
+            steps.extend(shapes(&mut dice, &mut shadow));
         }
         steps.push(Step::Evaluate(targets(&mut dice, &shadow)));
     }

@@ -6,6 +6,7 @@
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
+use std::time::{Duration, SystemTime};
 
 /// Why a file could not be written.
 #[derive(Debug)]
@@ -147,13 +148,32 @@ pub fn write_whole(target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     staged.commit()
 }
 
-/// Makes the folder `dir` if it is not there and tries that files can be made in it, so that a long run does not end
+/// Temporary files that nobody has written to for so long were left by a killed process.
+const ABANDONED: Duration = Duration::from_secs(3600);
+
+/// Removes temporary files of this program from a folder if they are clearly nobody's any more. What cannot be removed
+/// stays.
+fn clear(dir: &Path) {
+    let (now, entries) = (SystemTime::now(), fs::read_dir(dir));
+    for entry in entries.into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let ours = name.to_str().and_then(|n| n.strip_prefix(".tenon-")?.strip_suffix(".tmp")?.split_once('-'));
+        let ours = ours.is_some_and(|(process, _)| process.parse::<u32>().is_ok());
+        let modified = || entry.metadata().ok().filter(std::fs::Metadata::is_file)?.modified().ok();
+        if ours && modified().is_some_and(|then| now.duration_since(then).is_ok_and(|age| age > ABANDONED)) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Makes the folder `dir` if it is not there, clears it of what killed processes have left, and tries that files can be made in it, so that a long run does not end
 /// at a folder that cannot be written.
 ///
 /// # Errors
 /// Those of the system.
 pub fn prepare_folder(dir: &Path) -> Result<(), WriteError> {
     fs::create_dir_all(dir).map_err(io_at(dir))?;
+    clear(dir);
     let probe = dir.join(format!(".tenon-{}-probe.tmp", std::process::id()));
     File::create(&probe).map_err(io_at(dir))?;
     fs::remove_file(&probe).map_err(io_at(dir))
@@ -219,6 +239,25 @@ mod tests {
         std::os::unix::fs::symlink(std::env::temp_dir(), dir.join("out")).unwrap();
         assert!(matches!(inside(&dir, "out/x"), Err(WriteError::Escapes { .. })));
         assert!(matches!(inside(&dir, "out/deeper/x"), Err(WriteError::Escapes { .. })));
+        fs::remove_dir_all(&dir).unwrap();
+    }
+
+    #[test]
+    fn what_killed_processes_have_left_is_cleared_once_it_is_old() {
+        let dir = folder("clear");
+        let aged = |name: &str, hours: u64| {
+            let file = File::create(dir.join(name)).unwrap();
+            file.set_modified(SystemTime::now() - Duration::from_secs(hours * 3600)).unwrap();
+        };
+        let (old, others) = ([".tenon-12-0.tmp", ".tenon-99999-probe.tmp"], [".tenon-x-0.tmp", ".tenon.tmp", "a.ngc"]);
+        old.iter().chain(&others).for_each(|name| aged(name, 2));
+        aged(".tenon-13-0.tmp", 0);
+        fs::create_dir(dir.join(".tenon-14-0.tmp")).unwrap();
+        prepare_folder(&dir).unwrap();
+        let left: Vec<String> =
+            fs::read_dir(&dir).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        assert!(old.iter().all(|name| !left.iter().any(|l| l == name)), "{left:?}");
+        assert!(others.iter().chain(&[".tenon-13-0.tmp", ".tenon-14-0.tmp"]).all(|n| left.iter().any(|l| l == n)));
         fs::remove_dir_all(&dir).unwrap();
     }
 

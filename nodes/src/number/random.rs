@@ -14,7 +14,7 @@ pub(super) fn node() -> NodeType {
         .input(Port::item::<f64>("start").default(0.0).doc("Lower bound, included."))
         .input(Port::item::<f64>("end").default(1.0).doc("Upper bound, not included."))
         .input(
-            Port::item::<i64>("count").unit(Unit::Count).range(0.0, 100_000_000.0).default(10).doc("How many numbers."),
+            Port::item::<i64>("count").unit(Unit::Count).range(0.0, crate::params::LONGEST).default(10).doc("How many numbers."),
         )
         .input(Port::item::<i64>("seed").default(1).doc("Where the sequence starts; any whole number."))
         .output(Port::list::<f64>("numbers").doc("The numbers."))

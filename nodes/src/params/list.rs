@@ -1,9 +1,9 @@
 //! List, range and series.
 
-use tenon_engine::{Access, Call, Fail, NodeType, Port, Unit};
+use tenon_engine::{Access, Call, Fail, MOST_ITEMS, NodeType, Port, Unit};
 
 /// Longer lists are refused: they are typing errors that would fill the memory.
-const LONGEST: i64 = 100_000_000;
+pub(crate) const LONGEST: f64 = MOST_ITEMS as f64;
 
 pub(super) fn nodes() -> Vec<NodeType> {
     vec![list(), range(), series()]
@@ -14,6 +14,7 @@ const STRIDE: usize = 1 << 16;
 
 /// `count` numbers of a sequence, as a list.
 pub(crate) fn numbers(c: &Call, count: usize, mut all: impl Iterator<Item = f64>) -> Result<Vec<f64>, Fail> {
+    c.reserve(count)?;
     let mut numbers = Vec::with_capacity(count);
     while numbers.len() < count {
         if c.cancelled() {
@@ -51,7 +52,7 @@ fn range() -> NodeType {
         .input(
             Port::item::<i64>("steps")
                 .unit(Unit::Count)
-                .range(1.0, LONGEST as f64)
+                .range(1.0, LONGEST - 1.0)
                 .default(10)
                 .doc("Number of steps; steps + 1 numbers."),
         )
@@ -80,13 +81,7 @@ fn series() -> NodeType {
         .keywords(&["count", "arithmetic"])
         .input(Port::item::<f64>("start").default(0.0).doc("First number."))
         .input(Port::item::<f64>("step").default(1.0).doc("Difference of neighbours."))
-        .input(
-            Port::item::<i64>("count")
-                .unit(Unit::Count)
-                .range(0.0, LONGEST as f64)
-                .default(10)
-                .doc("How many numbers."),
-        )
+        .input(Port::item::<i64>("count").unit(Unit::Count).range(0.0, LONGEST).default(10).doc("How many numbers."))
         .output(Port::list::<f64>("numbers").doc("The numbers."))
         .run(|c| {
             let (start, step, count) = (c.number("start")?, c.number("step")?, c.integer("count")?);

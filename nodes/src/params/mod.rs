@@ -5,7 +5,7 @@ mod list;
 mod primitive;
 mod spatial;
 
-pub(crate) use list::numbers;
+pub(crate) use list::{LONGEST, numbers};
 use tenon_engine::NodeType;
 
 /// Every node of this folder.

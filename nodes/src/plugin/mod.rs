@@ -8,7 +8,9 @@ mod wanted;
 pub use search::{Found, VARIABLE, folders, load_all, user_folder};
 use std::path::Path;
 use std::sync::Arc;
-use tenon_engine::{Json, Registry, RegistryError};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::SystemTime;
+use tenon_engine::{Digester, Json, Registry, RegistryError, digest_bytes};
 pub use tenon_plugin::load::{LoadError, Plugin};
 pub use tenon_plugin::{apart, check};
 pub use wanted::{HOST, POLICY, Wanted};
@@ -55,8 +57,9 @@ pub fn load(registry: &mut Registry, path: &Path) -> Result<Arc<Plugin>, PluginE
 /// As [`load`].
 pub fn register(registry: &mut Registry, plugin: &Arc<Plugin>) -> Result<(), PluginError> {
     let mut made = Vec::new();
+    let build = digest(&plugin.path);
     for index in 0..plugin.nodes.len() {
-        made.push(node::node_type(plugin, index)?);
+        made.push(node::node_type(plugin, index)?.build(build));
     }
     let refused = |why| PluginError::Register { path: plugin.path.clone(), why };
     for node in &made {
@@ -76,4 +79,19 @@ pub fn register(registry: &mut Registry, plugin: &Arc<Plugin>) -> Result<(), Plu
         }
     }
     Ok(())
+}
+
+/// The digest of a library's file. One that cannot be read any more is another one each time: nothing is found of it.
+fn digest(path: &Path) -> u128 {
+    static AGAIN: AtomicU64 = AtomicU64::new(0);
+    match std::fs::read(path) {
+        Ok(bytes) => digest_bytes(&bytes),
+        Err(_) => {
+            let mut d = Digester::new();
+            let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+            d.u128(now.as_nanos());
+            d.u64(AGAIN.fetch_add(1, Ordering::Relaxed));
+            d.finish()
+        }
+    }
 }

@@ -4,7 +4,7 @@ use super::{Plugin, PluginError, fastener};
 use crate::exchange;
 use crate::value::{Point, V, Vector};
 use std::sync::{Arc, Mutex, PoisonError};
-use tenon_engine::{Call, Column, Fail, Item, Json, Monitor, NodeType, Port, Text, Tree, Unit};
+use tenon_engine::{Call, Column, Fail, Item, Json, Monitor, NodeType, Port, Text, Tree, Unit, stop};
 use tenon_geometry::Plane;
 use tenon_geometry::ifs::Curve;
 use tenon_geometry::joint::FeatureSet;
@@ -120,7 +120,9 @@ pub(super) struct Collected<'a> {
 
 impl Sink for Collected<'_> {
     fn set(&mut self, output: u32, value: Vec<Branch<'_>>) -> Result<(), String> {
-        self.place(output, exchange::tree(value)?)
+        // The plugin's stack lies between this and the engine: nothing may unwind through it.
+        let tree = stop::caught(|| exchange::tree(value)).ok_or("the evaluation was asked to stop")?;
+        self.place(output, tree?)
     }
 
     fn forward(&mut self, output: u32, input: u32) -> Result<(), String> {
@@ -170,6 +172,8 @@ pub(super) fn evaluate(
     };
     let watch = Watch { cancelled: &|| monitor.cancelled(), progress: &progress, refuse_buffer: None, room: None };
     let ended = node.evaluate(inputs, watch, sink);
+    // It may have failed because it was cut short; whatever it says of that is not its own.
+    stop::check();
     let mut last = None;
     for message in sink.messages.drain(..) {
         let (severity, fail) = fail(message);
@@ -263,4 +267,49 @@ fn set_column(c: &mut Call<'_>, info: &PortInfo, column: Column) -> Result<(), F
         TENON_FEATURES => V<FeatureSet>, _ => f64
     );
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::borrow::Cow;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    use tenon_engine::{Control, Document, Node, Options, Registry, Session};
+    use tenon_plugin::value::Items;
+
+    fn output() -> PortInfo {
+        PortInfo {
+            name: "values".into(),
+            doc: String::new(),
+            kind: TENON_NUMBER,
+            access: TENON_LIST,
+            unit: String::new(),
+            default_json: String::new(),
+            range: None,
+            choices: Vec::new(),
+            optional: false,
+        }
+    }
+
+    #[test]
+    fn nothing_unwinds_through_a_plugin_that_gives_a_long_list_of_a_cancelled_evaluation() {
+        let control = Control::default();
+        let (flag, returned) = (control.cancel.clone(), Arc::new(AtomicBool::new(false)));
+        let seen = returned.clone();
+        let node = NodeType::new("given", 1).output(Port::list::<f64>("values")).run(move |_| {
+            flag.store(true, Ordering::Relaxed);
+            let (outputs, numbers) = ([output()], vec![1.0; 1 << 20]);
+            let mut sink = Collected { outputs: &outputs, inputs: &[], values: vec![None], messages: Vec::new() };
+            let told = sink.set(0, vec![Branch::root(Items::Number(Cow::Borrowed(&numbers)))]);
+            seen.store(told.is_err() && sink.values == [None], Ordering::Relaxed);
+            Ok(())
+        });
+        let mut registry = Registry::new();
+        registry.register(node).unwrap();
+        let mut document = Document::new();
+        document.insert("n", Node::new("given")).unwrap();
+        let mut session = Session::new(Arc::new(registry), document, Options::default());
+        assert!(session.evaluate(&[], &control).cancelled);
+        assert!(returned.load(Ordering::Relaxed), "the list was not refused, or the plugin never got to know");
+    }
 }

@@ -69,6 +69,7 @@ fn sublist() -> NodeType {
                     let message = format!("{from} to {to} are more than {most} places");
                     return Err(Fail::new("too-many-items", message).port("to"));
                 }
+                c.reserve(2 * (high.abs_diff(low) as usize + 1))?;
             } else {
                 // Places that are not there need not be counted through.
                 (low, high) = (low.max(0), high.min(list.len() as i64 - 1));

@@ -45,6 +45,7 @@ fn cross_reference() -> NodeType {
                 let message = format!("{} times {} are {count} pairs; the most is {MOST}", a.len(), b.len());
                 return Err(Fail::new("too-many-items", message));
             }
+            c.reserve(2 * count)?;
             let (mut first, mut second) = (Vec::new(), Vec::new());
             for i in 0..a.len() {
                 stop::check();
