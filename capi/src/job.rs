@@ -72,16 +72,17 @@ impl Listener {
 }
 
 thread_local! {
-    /// The evaluation in whose callback this thread stands; 0: none.
-    static INSIDE: Cell<usize> = const { Cell::new(0) };
+    /// Graph and job in whose progress callback this thread stands, as addresses; 0: none.
+    static INSIDE: Cell<(usize, usize)> = const { Cell::new((0, 0)) };
 }
 
 /// Marks a callback while it lives.
-struct Inside(usize);
+struct Inside((usize, usize));
 
 impl Inside {
     fn of(job: &Job) -> Self {
-        Self(INSIDE.replace(std::ptr::from_ref(&*job.graph).addr()))
+        let here = (std::ptr::from_ref(&*job.graph).addr(), std::ptr::from_ref(job).addr());
+        Self(INSIDE.replace(here))
     }
 }
 
@@ -93,7 +94,7 @@ impl Drop for Inside {
 
 /// Refuses to wait in a callback for what waits for the callback.
 fn may_wait(graph: &Graph, instead: &str) -> Result<(), Failure> {
-    if INSIDE.get() == std::ptr::from_ref(graph).addr() {
+    if INSIDE.get().0 == std::ptr::from_ref(graph).addr() {
         return Err(Failure::argument(format!("a callback cannot wait for an evaluation of its own graph; {instead}")));
     }
     Ok(())
@@ -216,7 +217,7 @@ impl Job {
     /// Cancels and waits until no callback can come any more, unless this is one of them.
     fn end(&self) {
         self.cancel();
-        if INSIDE.get() == std::ptr::from_ref(&*self.graph).addr() {
+        if INSIDE.get().1 == std::ptr::from_ref(self).addr() {
             return;
         }
         let mut state = self.state();

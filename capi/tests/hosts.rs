@@ -46,6 +46,8 @@ fn compile(source: &str, extra: &[&str]) -> PathBuf {
 /// Runs a host on the graph of 256 panels; it checks everything itself and gives 0 when all is well.
 #[track_caller]
 fn run(mut command: Command) -> String {
+    // cargo names a folder before this one in which an older library may lie, and that goes before what is linked.
+    command.env("LD_LIBRARY_PATH", library());
     let done = command.arg(root().join("graphs/shell-256/shell-256.tenon.json")).output().unwrap();
     let (out, err) = (String::from_utf8_lossy(&done.stdout), String::from_utf8_lossy(&done.stderr));
     assert!(done.status.success(), "{command:?}: {}\n{out}\n{err}", done.status);

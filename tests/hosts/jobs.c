@@ -47,6 +47,21 @@ static void ended_and_freed(void *context, tenon_status status) {
     pthread_mutex_unlock(&h->lock);
 }
 
+static int32_t hear_and_free(void *context, double fraction, tenon_str node) {
+    heard_of *h = context;
+    (void)fraction, (void)node;
+    pthread_mutex_lock(&h->lock);
+    int is_first = h->heard++ == 0;
+    pthread_mutex_unlock(&h->lock);
+    if (is_first) {
+        tenon_job_free(h->job);
+        pthread_mutex_lock(&h->lock);
+        CHECK(h->ended == 1);
+        pthread_mutex_unlock(&h->lock);
+    }
+    return 1;
+}
+
 static double thickness_of(tenon_job *job) {
     tenon_result *result = NULL;
     must(tenon_job_wait(job, UINT64_MAX, &result));
@@ -130,6 +145,19 @@ int main(int argc, char **argv) {
         done = h.ended;
         pthread_mutex_unlock(&h.lock);
     }
+
+    /* A job that waits for its turn, freed in a callback of the one before it: it is over when the free returns. */
+    h.ended = 0, h.heard = 0, options.done = ended, options.progress = NULL;
+    tenon_evaluate_options freeing = {.size = sizeof freeing, .context = &h, .progress = hear_and_free};
+    must(tenon_graph_set_number(graph, "thickness", 17.0));
+    pthread_mutex_lock(&h.lock); /* the callback does not begin before the second job is there */
+    must(tenon_graph_start(graph, wanted, 1, &freeing, &first));
+    must(tenon_graph_start(graph, wanted, 1, &options, &h.job));
+    pthread_mutex_unlock(&h.lock);
+    must(tenon_job_wait(first, UINT64_MAX, &result));
+    CHECK(panels_of(result)->thickness == 17.0 && h.ended == 1 && h.status == TENON_CANCELLED);
+    tenon_result_free(result);
+    tenon_job_free(first);
 
     /* Looked at without waiting, the graph freed before the job. */
     must(tenon_graph_set_number(graph, "thickness", 14.0));
