@@ -209,7 +209,7 @@ impl App {
         }
         let name =
             self.model.path().and_then(Path::file_name).and_then(|n| n.to_str()).unwrap_or("new graph").to_owned();
-        let title = format!("{}{name} — Tenon", if self.model.unsaved() { "• " } else { "" });
+        let title = format!("{}{name} — Tenon", if self.model.seems_unsaved() { "• " } else { "" });
         if title != self.title {
             ui.ctx().send_viewport_cmd(ViewportCommand::Title(title.clone()));
             self.title = title;

@@ -106,7 +106,7 @@ impl Model {
     /// Keeps unsaved work and looks whether the graph's file was changed elsewhere; to be called every frame. Gives when
     /// it wants to be called again, if nothing else happens.
     pub fn keep(&mut self) -> Option<Duration> {
-        let unsaved = self.unsaved();
+        let unsaved = self.seems_unsaved();
         if !unsaved && self.keeper.written.is_some() {
             self.forget_kept();
         }

@@ -24,10 +24,14 @@ use results::Results;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 use tenon_engine::{Diagnostic, Document, History, Host, Name, NoHost, NodeState, Operation, Registry};
 use tenon_nodes::host::graph::{Files, GraphError};
 use tenon_nodes::host::output;
 use worker::{Update, Worker};
+
+/// How often the document is compared with its file while it changes all the time.
+const LOOK: Duration = Duration::from_millis(400);
 
 /// One graph being worked on.
 pub struct Model {
@@ -53,6 +57,8 @@ pub struct Model {
     saved: (String, String),
     /// The revision that `unsaved` was found for, and what was found.
     compared: (u64, bool),
+    /// When that was.
+    compared_at: Option<Instant>,
     keeper: keep::Keeper,
     /// Where unsaved work without a file and the list of recent graphs are kept; none: nowhere.
     pub state: Option<PathBuf>,
@@ -85,6 +91,7 @@ impl Model {
             revision: 0,
             saved: (String::new(), String::new()),
             compared: (0, false),
+            compared_at: None,
             keeper: keep::Keeper::default(),
             state: None,
             message: None,
@@ -190,8 +197,16 @@ impl Model {
             let differs = self.document.to_string_canonical_for(&self.registry) != self.saved.0
                 || self.document.layout_to_string() != self.saved.1;
             self.compared = (self.revision, differs);
+            self.compared_at = Some(Instant::now());
         }
         self.compared.1
+    }
+
+    /// The same for views that ask at every frame: while changes follow one another, as when a slider is dragged, they count as
+    /// unsaved without a look. O(1) then.
+    pub fn seems_unsaved(&mut self) -> bool {
+        let soon = self.compared_at.is_some_and(|at| at.elapsed() < LOOK);
+        (self.compared.0 != self.revision && soon) || self.unsaved()
     }
 
     /// Puts nodes without a place where `places` says, which is no step of the history.
