@@ -331,6 +331,40 @@ fn nodes_of_older_versions_are_brought_forward_by_their_plugin() {
 }
 
 #[test]
+fn tables_cross_both_ways_with_their_gaps() {
+    let node = |type_name: &str, from: &[(&str, &str)], params: Value| {
+        let inputs: serde_json::Map<String, Value> =
+            from.iter().map(|(port, wire)| ((*port).to_owned(), json!({ "from": [wire] }))).collect();
+        json!({ "type": type_name, "v": 1, "inputs": inputs, "params": params })
+    };
+    // The third place is a gap.
+    let nodes = json!({
+        "gaps": node("list_item", &[], json!({ "list": [2.5, 7.5], "index": [0, 1, 5] })),
+        "one": node("set_attribute", &[("values", "gaps.items")], json!({ "name": "length" })),
+        "two": node("set_attribute", &[("table", "one.table")], json!({ "name": "kind", "values": ["a", "b", "c"] })),
+        "rows": node("faulty.number_rows", &[("table", "two.table")], json!({})),
+        "row": node("attribute", &[("table", "rows.table")], json!({ "name": "row" })),
+        "none": node("attribute", &[("table", "rows.table")], json!({ "name": "colour" })),
+        "short": node("set_attribute", &[("table", "one.table")], json!({ "name": "few", "values": [1] })),
+    });
+    let folder = Folder::new();
+    folder.write("g.tenon.json", json!({ "format": "tenon", "version": 1, "units": "mm", "nodes": nodes }).to_string());
+    let run = |more: &[&str]| {
+        let call = ["run", "g.tenon.json", "--plugin", faulty(), "--get", "rows.table", "--get", "row.values"];
+        folder.tenon(&[&call[..], more].concat()).code(1).json()
+    };
+    let here = run(&[]);
+    let table =
+        json!({ "rows": 3, "attributes": { "length": [2.5, 7.5, null], "kind": ["a", "b", "c"], "row": [0, 1, 2] } });
+    assert_eq!(here["rows.table"]["branches"]["{0}"][0], table);
+    assert_eq!(here["row.values"]["branches"]["{0}"], json!([0, 1, 2]));
+    let ended = folder.tenon(&["run", "g.tenon.json", "--plugin", faulty()]).code(1);
+    ended.says(&["no-attribute", "it has length, kind, row", "attribute-length", "1 items for a table of 3 rows"]);
+    #[cfg(target_os = "linux")]
+    assert_eq!(run(&["--isolate", "all"]), here);
+}
+
+#[test]
 fn two_plugins_with_one_id_are_one_too_many() {
     let folder = Folder::with("g.tenon.json", NUMBERS);
     let other = folder.0.join("other.so").display().to_string();

@@ -8,6 +8,7 @@ const fn code(name: &'static str, means: &'static str, help: &'static str) -> Co
 
 /// Every code that built-in nodes give besides the engine's own, sorted by name.
 pub const CODES: &[Code] = &[
+    code("attribute-length", "An attribute has not one value per row of its table.", "The message gives both numbers."),
     code(
         "axis-limit",
         "The machine would have to go beyond an axis's limit.",
@@ -171,6 +172,7 @@ pub const CODES: &[Code] = &[
         "The graph requires a plugin that is not there, or one of another version.",
         "The hint says where to put it.",
     ),
+    code("no-attribute", "A table has no attribute of that name.", "The hint lists those that it has."),
     code(
         "no-operation",
         "There is nothing that a tool could do on a part.",

@@ -120,8 +120,8 @@ fn every_value_of_the_example_graphs_comes_back() {
         seen.insert(tree.type_name());
     }
     let never: Vec<&str> = registry().type_names().filter(|t| !seen.contains(t)).collect();
-    // They are in the test below.
-    assert_eq!(never, ["plane", "polygon", "vector"], "{seen:?}");
+    // They are in the test below; tables are never kept (their format is 0), so nodes that give them run in each process.
+    assert_eq!(never, ["plane", "polygon", "table", "vector"], "{seen:?}");
 }
 
 #[test]

@@ -65,7 +65,7 @@ typedef struct tenon_port {
   uint32_t size;
   // `TENON_OPTIONAL`, `TENON_RANGE`, added up.
   uint32_t flags;
-  // What its items are, up to `TENON_FEATURES`.
+  // What its items are: `TENON_BOOLEAN` to `TENON_FEATURES`, or `TENON_TABLE`.
   tenon_kind kind;
   // How the node sees it.
   tenon_access access;

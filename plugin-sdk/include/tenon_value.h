@@ -260,6 +260,28 @@ typedef struct tenon_column {
   const uint8_t *valid;
 } tenon_column;
 
+// One attribute of every row of a table.
+typedef struct tenon_attribute {
+  // Its name, once in a table.
+  struct tenon_str name;
+  // One item per row: of a kind up to `TENON_PLANE`, or `TENON_OPAQUE`.
+  struct tenon_column column;
+} tenon_attribute;
+
+// A table of attributes: columns of as many rows, each under a name. Since 1.1.
+typedef struct tenon_table {
+  // Bytes of this struct as its maker knows it.
+  uint32_t size;
+  // Bytes from one attribute to the next.
+  uint32_t attribute_stride;
+  // Number of rows.
+  uint64_t row_count;
+  // Attributes.
+  const struct tenon_attribute *attributes;
+  // Number of attributes.
+  uint64_t attribute_count;
+} tenon_table;
+
 // A column and where it hangs in its tree.
 typedef struct tenon_branch {
   // Its path; NULL means {0}.
@@ -357,6 +379,9 @@ typedef struct tenon_tree {
 
 // `tenon_edge_pair`: edges selected for a fastener.
 #define TENON_EDGES 13
+
+// `tenon_table`. Since 1.1.
+#define TENON_TABLE 14
 
 // A type that does not cross: `items` is NULL, `type_name` says what it is.
 #define TENON_OPAQUE 65536

@@ -4,7 +4,7 @@
 use crate::abi::plugin::*;
 use crate::abi::value::*;
 use crate::sound::BadValue;
-use crate::value::{Branch, Curve, Feature, Features, File, Items, Machining, Mesh, Panels};
+use crate::value::{Attribute, Branch, Curve, Feature, Features, File, Items, Machining, Mesh, Panels, Table};
 use bytemuck::Pod;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -229,13 +229,7 @@ impl Reader<'_> {
                 };
                 let c = &b.column;
                 // SAFETY: see above.
-                let items = unsafe { self.items(c)? };
-                let valid = if c.valid.is_null() {
-                    None
-                } else {
-                    // SAFETY: see above.
-                    Some(Cow::Owned(truths(unsafe { slice(c.valid, c.count, "valid")? }.into())))
-                };
+                let (items, valid) = unsafe { (self.items(c)?, self.valid(c)?) };
                 Ok(Branch { path, items, valid })
             })
             .collect()
@@ -297,6 +291,10 @@ impl Reader<'_> {
                 TENON_FILE => {
                     let all = structs::<tenon_file>(c.items.cast(), c.count, c.stride, "files")?;
                     Items::File(all.iter().map(|x| self.file(x)).collect::<Read<_>>()?)
+                }
+                TENON_TABLE => {
+                    let all = structs::<tenon_table>(c.items.cast(), c.count, c.stride, "tables")?;
+                    Items::Table(all.iter().map(|x| self.table(x)).collect::<Read<_>>()?)
                 }
                 TENON_EDGES => {
                     fixed(size_of::<tenon_edge_pair>())?;
@@ -412,6 +410,35 @@ impl Reader<'_> {
         let feature = Feature { panel: f.panel, edge, joint, by_hand, purpose: purpose.into(), machining };
         feature.check()?;
         Ok(feature)
+    }
+
+    unsafe fn table<'a>(&mut self, t: &tenon_table) -> Read<Table<'a>> {
+        // SAFETY: see above.
+        let all = unsafe { structs(t.attributes, t.attribute_count, t.attribute_stride.into(), "attributes")? };
+        let mut attributes = Vec::with_capacity(all.len());
+        for a in &all {
+            let c = &a.column;
+            // Tables hold no tables, so that nothing here nests.
+            if c.kind > TENON_PLANE && c.kind != TENON_OPAQUE {
+                return Err(BadValue::Unknown { what: "attribute of kind", found: c.kind.into() });
+            }
+            // SAFETY: see above.
+            let (name, items, valid) = unsafe { (text(a.name, "attribute.name")?, self.items(c)?, self.valid(c)?) };
+            attributes.push(Attribute { name: name.into(), items, valid });
+        }
+        let table = Table { rows: usize::try_from(t.row_count).unwrap_or(usize::MAX), attributes };
+        table.check()?;
+        Ok(table)
+    }
+
+    /// Which items of a column are there.
+    unsafe fn valid<'a>(&mut self, c: &tenon_column) -> Read<Option<Cow<'a, [bool]>>> {
+        if c.valid.is_null() {
+            return Ok(None);
+        }
+        // SAFETY: see above.
+        let valid: &[u8] = unsafe { slice(c.valid, c.count, "valid")? };
+        Ok(Some(Cow::Owned(truths(valid.into()))))
     }
 
     unsafe fn file<'a>(&mut self, f: &tenon_file) -> Read<File<'a>> {

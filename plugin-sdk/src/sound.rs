@@ -2,7 +2,7 @@
 //! coordinates. Both roads by which values cross end here.
 
 use crate::abi::value::{TENON_SIDE_OTHER, tenon_edge, tenon_vec3};
-use crate::value::{Curve, Feature, Machining, Mesh, Panels};
+use crate::value::{Curve, Feature, Machining, Mesh, Panels, Table};
 
 /// What is wrong with a value that crossed.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
@@ -51,6 +51,14 @@ pub enum BadValue {
         what: &'static str,
         /// The number.
         found: u64,
+    },
+    /// A name that is empty or there twice.
+    #[error("{what}: the name \"{found}\" is empty or there twice")]
+    Name {
+        /// What.
+        what: &'static str,
+        /// The name.
+        found: String,
     },
     /// NaN or infinity.
     #[error("{what}: entry {entry} is not finite")]
@@ -137,6 +145,21 @@ impl Panels<'_> {
         }
         if let Some(side) = self.side.iter().find(|s| **s > TENON_SIDE_OTHER) {
             return Err(BadValue::Unknown { what: "side", found: (*side).into() });
+        }
+        Ok(())
+    }
+}
+
+impl Table<'_> {
+    pub(crate) fn check(&self) -> Sound {
+        for (i, a) in self.attributes.iter().enumerate() {
+            let lengths = [Some(a.items.len()), a.valid.as_ref().map(|v| v.len())];
+            if let Some(found) = lengths.into_iter().flatten().find(|len| *len != self.rows) {
+                return Err(BadValue::Length { what: "attribute", found: found as u64, hint: "; one per row" });
+            }
+            if a.name.is_empty() || self.attributes[..i].iter().any(|b| b.name == a.name) {
+                return Err(BadValue::Name { what: "attribute", found: a.name.to_string() });
+            }
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 //! needs no `unsafe`; reading it is the other side's business.
 
 use crate::abi::value::*;
-use crate::value::{Branch, Curve, Feature, Features, File, Items, Machining, Mesh, Panels};
+use crate::value::{Attribute, Branch, Curve, Feature, Features, File, Items, Machining, Mesh, Panels, Table};
 use std::ffi::c_void;
 use std::marker::PhantomData;
 
@@ -35,6 +35,7 @@ enum Structs {
     Panels(Box<[tenon_panels]>),
     Features(Box<[tenon_features]>, Vec<FeatureArrays>),
     Files(Box<[tenon_file]>),
+    Tables(Box<[tenon_table]>, Vec<(Box<[tenon_attribute]>, Vec<Structs>)>),
 }
 
 /// Bytes of a struct, as its first field says it.
@@ -122,12 +123,35 @@ fn column(items: &Items<'_>) -> (tenon_column, Structs) {
             let all: Box<[tenon_features]> = kept.iter().map(|(f, h)| features(f, h)).collect();
             return (plain(TENON_FEATURES, "features", &all), Structs::Features(all, kept));
         }
+        Items::Table(v) => {
+            let kept: Vec<_> = v.iter().map(attributes).collect();
+            let table = |(t, (attributes, _)): (&Table<'_>, &(Box<[tenon_attribute]>, _))| tenon_table {
+                size: size::<tenon_table>(),
+                attribute_stride: size::<tenon_attribute>(),
+                row_count: t.rows as u64,
+                attributes: some(attributes),
+                attribute_count: attributes.len() as u64,
+            };
+            let all: Box<[tenon_table]> = v.iter().zip(&kept).map(table).collect();
+            return (plain(TENON_TABLE, "table", &all), Structs::Tables(all, kept));
+        }
         Items::File(v) => {
             let all: Box<[tenon_file]> = v.iter().map(file).collect();
             return (plain(TENON_FILE, "file", &all), Structs::Files(all));
         }
     };
     (simple, Structs::None)
+}
+
+fn attributes(t: &Table<'_>) -> (Box<[tenon_attribute]>, Vec<Structs>) {
+    let mut kept = Vec::with_capacity(t.attributes.len());
+    let attribute = |a: &Attribute<'_>| {
+        let (mut column, structs) = column(&a.items);
+        kept.push(structs);
+        column.valid = a.valid.as_ref().map_or(std::ptr::null(), |v| v.as_ptr().cast());
+        tenon_attribute { name: tenon_str::of(&a.name), column }
+    };
+    (t.attributes.iter().map(attribute).collect(), kept)
 }
 
 fn curve(c: &Curve<'_>) -> tenon_curve {

@@ -50,6 +50,8 @@ pub enum Items<'a> {
     Features(Vec<Features<'a>>),
     /// Files.
     File(Vec<File<'a>>),
+    /// Tables of attributes.
+    Table(Vec<Table<'a>>),
     /// Edges selected for a fastener.
     Edges(Cow<'a, [tenon_edge_pair]>),
     /// Items of a type that does not cross.
@@ -77,6 +79,7 @@ impl Items<'_> {
             Self::Panels(v) => v.len(),
             Self::Features(v) => v.len(),
             Self::File(v) => v.len(),
+            Self::Table(v) => v.len(),
             Self::Edges(v) => v.len(),
             Self::Opaque { count, .. } => *count,
         }
@@ -249,6 +252,34 @@ pub struct Features<'a> {
     pub features: Vec<Feature<'a>>,
     /// Purchased parts: name and count.
     pub hardware: Vec<(Cow<'a, str>, u64)>,
+}
+
+/// Columns of as many rows, each under a name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table<'a> {
+    /// Number of rows.
+    pub rows: usize,
+    /// Attributes, in order; no name twice.
+    pub attributes: Vec<Attribute<'a>>,
+}
+
+impl<'a> Table<'a> {
+    /// The attribute of that name. O(attributes).
+    #[must_use]
+    pub fn attribute(&self, name: &str) -> Option<&Attribute<'a>> {
+        self.attributes.iter().find(|a| a.name == name)
+    }
+}
+
+/// One attribute of every row of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute<'a> {
+    /// Its name.
+    pub name: Cow<'a, str>,
+    /// One item per row: truth values, numbers, texts, points, vectors or planes.
+    pub items: Items<'a>,
+    /// Per row whether it is there; `None`: all are.
+    pub valid: Option<Cow<'a, [bool]>>,
 }
 
 /// A file that the graph made.

@@ -78,6 +78,35 @@ static tenon_status migrate(void *data, uint32_t from, tenon_str node, void (*gi
     return TENON_OK;
 }
 
+/* A table as it is, with its rows numbered. */
+static tenon_status number_rows(void *data, const tenon_call *call, const tenon_tree *in, uint32_t count) {
+    const tenon_table *table = in[0].branches[0].column.items;
+    tenon_attribute attributes[8];
+    tenon_str name = TEXT("row");
+    (void)data, (void)count;
+    if (table->attribute_count > 7) return TENON_FAILED;
+    for (uint64_t i = 0; i < table->attribute_count; i++)
+        attributes[i] = *(const tenon_attribute *)((const char *)table->attributes + i * table->attribute_stride);
+    int64_t *rows = call->buffer(call, TENON_I64, table->row_count);
+    if (rows == NULL) return TENON_NO_MEMORY;
+    for (uint64_t i = 0; i < table->row_count; i++) rows[i] = (int64_t)i;
+    tenon_column column = {sizeof column, TENON_INTEGER, TEXT("integer"), rows, table->row_count, 8, NULL};
+    attributes[table->attribute_count].name = name;
+    attributes[table->attribute_count].column = column;
+    tenon_table out = {sizeof out, sizeof(tenon_attribute), table->row_count, attributes, table->attribute_count + 1};
+    tenon_branch branch;
+    memset(&branch, 0, sizeof branch);
+    branch.column.size = sizeof branch.column;
+    branch.column.kind = TENON_TABLE;
+    branch.column.items = &out;
+    branch.column.count = 1;
+    branch.column.stride = sizeof out;
+    tenon_tree tree = {sizeof tree, sizeof branch, &branch, 1};
+    return call->set(call, 0, &tree) == TENON_OK ? TENON_OK : TENON_FAILED;
+}
+
+static const tenon_port tables[] = {
+    {sizeof(tenon_port), 0, TENON_TABLE, TENON_ITEM, TEXT("table"), TEXT("A table."), TEXT(""), TEXT(""), 0, 0, NULL, 0}};
 static const tenon_port inputs[] = {
     {sizeof(tenon_port), 0, TENON_NUMBER, TENON_ITEM, TEXT("x"), TEXT("Which fault."), TEXT(""), TEXT("0"), 0, 0, NULL, 0}};
 static const tenon_port outputs[] = {
@@ -96,9 +125,22 @@ static const tenon_node_type nodes[] = {{.size = sizeof(tenon_node_type),
                                          .doc = TEXT("Gives what cannot be."),
                                          .evaluate = evaluate,
                                          .migrate = migrate,
-                                         .migrate_from = 1}};
+                                         .migrate_from = 1},
+                                        {.size = sizeof(tenon_node_type),
+                                         .flags = TENON_PURE,
+                                         .id = TEXT("faulty.number_rows"),
+                                         .version = 1,
+                                         .input_count = 1,
+                                         .inputs = tables,
+                                         .outputs = tables,
+                                         .output_count = 1,
+                                         .port_stride = sizeof(tenon_port),
+                                         .name = TEXT("Number rows"),
+                                         .category = TEXT("Tables"),
+                                         .doc = TEXT("Numbers the rows of a table."),
+                                         .evaluate = number_rows}};
 static const tenon_plugin plugin = {TENON_PLUGIN_MAGIC, sizeof(tenon_plugin), TENON_PLUGIN_MAJOR, TENON_PLUGIN_MINOR,
-                                    TEXT("faulty"), TEXT("1.0.0"), TEXT("Tests"), TEXT("Faults."), nodes, 1,
+                                    TEXT("faulty"), TEXT("1.0.0"), TEXT("Tests"), TEXT("Faults."), nodes, 2,
                                     sizeof(tenon_node_type)};
 TENON_EXPORT const tenon_plugin *tenon_plugin_v1(void);
 const tenon_plugin *tenon_plugin_v1(void) { return &plugin; }

@@ -1,7 +1,7 @@
 //! The engine's trees as values of the contract. Nothing large is copied, except the neighbours of panel edges, whose
 //! memory has no C form.
 
-use crate::value::{Point, V, Vector};
+use crate::value::{Point, Table, V, Vector};
 use std::borrow::Cow;
 use tenon_engine::{Column, File, Text, Tree};
 use tenon_geometry::Plane;
@@ -21,8 +21,11 @@ pub fn branches(tree: &Tree) -> Vec<c::Branch<'_>> {
 
 /// One column as a branch at `path`.
 fn branch<'a>(path: &'a [i32], column: &'a Column) -> c::Branch<'a> {
-    let valid = column.has_gaps().then(|| (0..column.len()).map(|i| column.is_valid(i)).collect());
-    c::Branch { path: Cow::Borrowed(path), items: items(column), valid }
+    c::Branch { path: Cow::Borrowed(path), items: items(column), valid: valid(column) }
+}
+
+fn valid(column: &Column) -> Option<Cow<'static, [bool]>> {
+    column.has_gaps().then(|| (0..column.len()).map(|i| column.is_valid(i)).collect())
 }
 
 fn items(column: &Column) -> c::Items<'_> {
@@ -48,11 +51,22 @@ fn items(column: &Column) -> c::Items<'_> {
         c::Items::Panels(v.iter().map(|x| panels(x)).collect())
     } else if let Some(v) = column.slice::<V<FeatureSet>>() {
         c::Items::Features(v.iter().map(|x| features(x)).collect())
+    } else if let Some(v) = column.slice::<Table>() {
+        c::Items::Table(v.iter().map(table).collect())
     } else if let Some(v) = column.slice::<File>() {
         c::Items::File(v.iter().map(file).collect())
     } else {
         c::Items::Opaque { type_name: column.type_name().into(), count: column.len() }
     }
+}
+
+fn table(t: &Table) -> c::Table<'_> {
+    let attributes = t.attributes().map(|(name, column)| c::Attribute {
+        name: name.into(),
+        items: items(column),
+        valid: valid(column),
+    });
+    c::Table { rows: t.rows(), attributes: attributes.collect() }
 }
 
 fn curve(v: &Curve) -> c::Curve<'_> {

@@ -1,7 +1,7 @@
 //! Values of the contract as the engine's trees. Arrays that changed hands become the engine's without a copy; what the
 //! geometry relies on is checked.
 
-use crate::value::{Point, V, Vector};
+use crate::value::{Point, Table, V, Vector};
 use bytemuck::{Pod, cast_vec};
 use std::any::Any;
 use std::borrow::Cow;
@@ -131,6 +131,10 @@ fn column(items: c::Items<'_>, valid: Option<&[bool]>) -> Result<Column, String>
         })?,
         c::Items::Panels(v) => shared(v, valid, panels)?,
         c::Items::Features(v) => shared(v, valid, features)?,
+        c::Items::Table(v) => {
+            let made = v.into_iter().enumerate().map(|(i, t)| table(t).map_err(|why| format!("item {i}: {why}")));
+            gaps(made.collect::<Result<Vec<Table>, String>>()?, valid)
+        }
         c::Items::Opaque { count: 0, .. } => Column::new::<f64>(Vec::new()),
         c::Items::File(_) | c::Items::Edges(_) | c::Items::Opaque { .. } => {
             return Err("files, edges and types that do not cross cannot be set".into());
@@ -144,6 +148,14 @@ fn finite(numbers: impl Iterator<Item = f64>, valid: Option<&[bool]>) -> Result<
         Some((i, _)) => Err(format!("item {i} is not finite")),
         None => Ok(()),
     }
+}
+
+fn table(t: c::Table<'_>) -> Result<Table, String> {
+    let add = |table: Table, a: c::Attribute<'_>| {
+        let column = column(a.items, a.valid.as_deref()).map_err(|why| format!("attribute \"{}\": {why}", a.name))?;
+        table.with(&a.name, column)
+    };
+    t.attributes.into_iter().try_fold(Table::new(t.rows), add)
 }
 
 fn plane(p: tenon_plane) -> Result<Plane, String> {

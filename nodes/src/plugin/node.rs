@@ -2,7 +2,7 @@
 
 use super::{Plugin, PluginError, fastener};
 use crate::exchange;
-use crate::value::{Point, V, Vector};
+use crate::value::{Point, Table, V, Vector};
 use std::sync::{Arc, Mutex, PoisonError};
 use tenon_engine::{Call, Column, Fail, Item, Json, Monitor, NodeType, Port, Text, Tree, Unit, stop};
 use tenon_geometry::Plane;
@@ -65,6 +65,7 @@ fn typed(info: &PortInfo) -> Port {
         TENON_MESH => of::<V<Mesh>>(info),
         TENON_PANELS => of::<V<PanelSet>>(info),
         TENON_FEATURES => of::<V<FeatureSet>>(info),
+        TENON_TABLE => of::<Table>(info),
         // The loader lets no other kind pass.
         _ => of::<f64>(info),
     };
@@ -264,7 +265,7 @@ fn set_column(c: &mut Call<'_>, info: &PortInfo, column: Column) -> Result<(), F
     set!(
         TENON_BOOLEAN => bool, TENON_INTEGER => i64, TENON_TEXT => Text, TENON_POINT => Point, TENON_VECTOR => Vector,
         TENON_PLANE => V<Plane>, TENON_CURVE => V<Curve>, TENON_MESH => V<Mesh>, TENON_PANELS => V<PanelSet>,
-        TENON_FEATURES => V<FeatureSet>, _ => f64
+        TENON_FEATURES => V<FeatureSet>, TENON_TABLE => Table, _ => f64
     );
     Ok(())
 }

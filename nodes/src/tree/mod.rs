@@ -4,10 +4,11 @@ mod explode;
 mod list;
 mod pair;
 mod shape;
+mod table;
 
 use tenon_engine::NodeType;
 
 /// Every node of this folder.
 pub(crate) fn nodes() -> Vec<NodeType> {
-    [list::nodes(), pair::nodes(), shape::nodes(), explode::nodes()].into_iter().flatten().collect()
+    [list::nodes(), pair::nodes(), shape::nodes(), explode::nodes(), table::nodes()].into_iter().flatten().collect()
 }

@@ -14,11 +14,13 @@ mod point;
 mod polygon;
 mod program;
 mod proof;
+mod table;
 
 pub use curve::SegmentNames;
 pub(crate) use panel::with_address;
 pub use point::{Point, Vector};
 pub use program::{Program, Standing};
+pub use table::Table;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -125,6 +127,7 @@ pub fn register(registry: &mut Registry) {
     registry.register_type::<V<tenon_geometry::motion::PartPaths>>();
     registry.register_type::<V<crate::post::MachineFile>>();
     registry.register_type::<Program>();
+    registry.register_type::<Table>();
     registry.register_type::<V<tenon_geometry::proof::ProofReport>>();
     registry.register_conversion::<Point, Vector>(|p| Ok(Vector(p.0)));
     registry.register_conversion::<Vector, Point>(|v| Ok(Point(v.0)));

@@ -32,7 +32,7 @@ pub struct tenon_port {
     pub size: u32,
     /// `TENON_OPTIONAL`, `TENON_RANGE`, added up.
     pub flags: u32,
-    /// What its items are, up to `TENON_FEATURES`.
+    /// What its items are: `TENON_BOOLEAN` to `TENON_FEATURES`, or `TENON_TABLE`.
     pub kind: tenon_kind,
     /// How the node sees it.
     pub access: tenon_access,

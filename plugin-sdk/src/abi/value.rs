@@ -72,6 +72,8 @@ pub const TENON_FEATURES: tenon_kind = 11;
 pub const TENON_FILE: tenon_kind = 12;
 /// `tenon_edge_pair`: edges selected for a fastener.
 pub const TENON_EDGES: tenon_kind = 13;
+/// `tenon_table`. Since 1.1.
+pub const TENON_TABLE: tenon_kind = 14;
 /// A type that does not cross: `items` is NULL, `type_name` says what it is.
 pub const TENON_OPAQUE: tenon_kind = 0x10000;
 
@@ -355,6 +357,32 @@ pub struct tenon_column {
     pub stride: u64,
     /// Per item 1, or 0 for a gap; NULL if there are no gaps.
     pub valid: *const u8,
+}
+
+/// One attribute of every row of a table.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct tenon_attribute {
+    /// Its name, once in a table.
+    pub name: tenon_str,
+    /// One item per row: of a kind up to `TENON_PLANE`, or `TENON_OPAQUE`.
+    pub column: tenon_column,
+}
+
+/// A table of attributes: columns of as many rows, each under a name. Since 1.1.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct tenon_table {
+    /// Bytes of this struct as its maker knows it.
+    pub size: u32,
+    /// Bytes from one attribute to the next.
+    pub attribute_stride: u32,
+    /// Number of rows.
+    pub row_count: u64,
+    /// Attributes.
+    pub attributes: *const tenon_attribute,
+    /// Number of attributes.
+    pub attribute_count: u64,
 }
 
 /// A column and where it hangs in its tree.

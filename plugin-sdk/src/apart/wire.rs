@@ -4,7 +4,7 @@
 use super::memory::Memory;
 use crate::abi::value::*;
 use crate::load::{Message, NodeInfo, PluginInfo, PortInfo};
-use crate::value::{Branch, Curve, Feature, Features, File, Items, Machining, Mesh, Panels};
+use crate::value::{Attribute, Branch, Curve, Feature, Features, File, Items, Machining, Mesh, Panels, Table};
 use bytemuck::Pod;
 use std::borrow::Cow;
 
@@ -221,10 +221,27 @@ structs! {
     Features<'a> { features, hardware };
     Feature<'a> { panel, edge, joint, by_hand, purpose, machining } check;
     File<'a> { name, bytes, withheld };
+    Table<'a> { rows, attributes } check;
     Message { severity, code, message, hint, port, item };
     PluginInfo { id, version, vendor, doc, nodes };
     NodeInfo { id, version, name, category, doc, keywords, inputs, outputs, slow, fastener, migrate_from };
     PortInfo { name, doc, kind, access, unit, default_json, range, choices, optional };
+}
+
+impl<'a> Wire<'a> for Attribute<'a> {
+    fn put(&self, to: &mut Put<'_>) {
+        self.name.put(to);
+        self.items.put(to);
+        self.valid.put(to);
+    }
+    fn take(from: &mut Take<'a>) -> Result<Self, Garbled> {
+        let name = Wire::take(from)?;
+        // Tables hold no tables, so that nothing here nests.
+        match from.bytes.first() {
+            Some(mark @ 8..=254) => Err(Garbled::Mark(*mark)),
+            _ => Ok(Self { name, items: Wire::take(from)?, valid: Wire::take(from)? }),
+        }
+    }
 }
 
 /// Enums by a mark.
@@ -275,5 +292,5 @@ macro_rules! wrapped {
 }
 wrapped! { Items<'a>:
     1 Boolean; 2 Integer; 3 Number; 4 Text; 5 Point; 6 Vector; 7 Plane; 8 Curve; 9 Mesh; 10 Panels; 11 Features; 12 File;
-    13 Edges;
+    13 Edges; 14 Table;
 }

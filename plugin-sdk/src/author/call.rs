@@ -5,7 +5,7 @@ use crate::abi::plugin::*;
 use crate::abi::value::*;
 use crate::from_c::{Buffers, Reader, text};
 use crate::to_c::CTree;
-use crate::value::{Branch, Curve, Features, Items, Mesh, Panels};
+use crate::value::{Branch, Curve, Features, Items, Mesh, Panels, Table};
 use std::any::Any;
 use std::borrow::Cow;
 use std::ffi::c_void;
@@ -202,6 +202,7 @@ impl<'a> Call<'a> {
         text Text Cow<'a, str>, "text"; point Point tenon_vec3, "point"; vector Vector tenon_vec3, "vector";
         plane Plane tenon_plane, "plane"; curve Curve Curve<'a>, "curve"; mesh Mesh Mesh<'a>, "mesh";
         panels Panels Panels<'a>, "panel set"; features Features Features<'a>, "feature set";
+        table Table Table<'a>, "table";
     }
 
     /// The edges that a fastener is to join.
@@ -294,6 +295,14 @@ impl<'a> Call<'a> {
     /// As [`Call::set`].
     pub fn set_features(&mut self, port: &str, value: Features<'_>) -> Result<(), Fail> {
         self.set_items(port, Items::Features(vec![value]))
+    }
+
+    /// Sets an output to a table.
+    ///
+    /// # Errors
+    /// As [`Call::set`].
+    pub fn set_table(&mut self, port: &str, value: Table<'_>) -> Result<(), Fail> {
+        self.set_items(port, Items::Table(vec![value]))
     }
 
     /// Sets an output to what arrived at an input, as it is.

@@ -61,7 +61,7 @@ impl Port {
         boolean TENON_BOOLEAN "truth value"; integer TENON_INTEGER "whole number"; number TENON_NUMBER "number";
         text TENON_TEXT "text"; point TENON_POINT "point"; vector TENON_VECTOR "vector"; plane TENON_PLANE "plane";
         curve TENON_CURVE "curve"; mesh TENON_MESH "mesh"; panels TENON_PANELS "panel set";
-        features TENON_FEATURES "feature set";
+        features TENON_FEATURES "feature set"; table TENON_TABLE "table of attributes";
     }
 
     /// Sees one list at a time instead.

@@ -46,6 +46,7 @@ fn kind(items: &Items<'_>) -> tenon_kind {
         Items::Panels(_) => TENON_PANELS,
         Items::Features(_) => TENON_FEATURES,
         Items::File(_) => TENON_FILE,
+        Items::Table(_) => TENON_TABLE,
         Items::Edges(_) => TENON_EDGES,
         Items::Opaque { .. } => TENON_OPAQUE,
     }
@@ -67,6 +68,7 @@ fn is_finite(items: &Items<'_>) -> bool {
             let sum = |p: &tenon_vec4| p.x + p.y + p.z + p.w;
             v.iter().flat_map(|c| c.points.iter()).all(|p| sum(p).is_finite())
         }
+        Items::Table(v) => v.iter().flat_map(|t| &t.attributes).all(|a| is_finite(&a.items)),
         _ => true,
     }
 }

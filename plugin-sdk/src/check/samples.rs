@@ -2,7 +2,7 @@
 
 use crate::abi::value::*;
 use crate::load::{PluginNode, PortInfo};
-use crate::value::{Branch, Curve, Feature, Features, Items, Machining, Mesh, Panels};
+use crate::value::{Attribute, Branch, Curve, Feature, Features, Items, Machining, Mesh, Panels, Table};
 use serde_json::Value;
 use std::f64::consts::PI;
 
@@ -94,6 +94,7 @@ fn items(port: &PortInfo, day: Day) -> Items<'static> {
         TENON_CURVE => Items::Curve(vec![curve(far); count]),
         TENON_MESH => Items::Mesh(vec![if day == Day::Empty { no_mesh() } else { mesh(far) }; count]),
         TENON_PANELS => Items::Panels(vec![pair_of_panels(day).0; count]),
+        TENON_TABLE => Items::Table(vec![table(day, far); count]),
         _ => Items::Features(vec![features(day); count]),
     }
 }
@@ -183,6 +184,18 @@ fn pair_of_panels(day: Day) -> (Panels<'static>, Vec<tenon_edge_pair>) {
         angle: 0.0,
     };
     (p, if day == Day::Good { vec![shared] } else { vec![border, shared] })
+}
+
+fn table(day: Day, far: f64) -> Table<'static> {
+    let rows = if day == Day::Empty { 0 } else { 3 };
+    let numbers = vec![far; rows];
+    let names = (0..rows).map(|i| format!("row {i}").into()).collect();
+    let attribute = |name: &'static str, items| Attribute { name: name.into(), items, valid: None };
+    let gaps =
+        Attribute { valid: Some(vec![false; rows].into()), ..attribute("gaps", Items::Integer(vec![0; rows].into())) };
+    let attributes =
+        vec![attribute("length", Items::Number(numbers.into())), attribute("name", Items::Text(names)), gaps];
+    Table { rows, attributes }
 }
 
 fn features(day: Day) -> Features<'static> {

@@ -59,6 +59,7 @@ impl Wide {
             TENON_MESH => size_of::<tenon_mesh>(),
             TENON_PANELS => size_of::<tenon_panels>(),
             TENON_FEATURES => size_of::<tenon_features>(),
+            TENON_TABLE => size_of::<tenon_table>(),
             // Their layout is fixed for ever.
             _ => return,
         };
@@ -68,6 +69,12 @@ impl Wide {
             for i in 0..column.count as usize {
                 let item = items.byte_add(i * (size + MORE));
                 item.cast::<u32>().write((size + MORE) as u32);
+                if column.kind == TENON_TABLE {
+                    let table = &mut *item.cast::<tenon_table>();
+                    let size = size_of::<tenon_attribute>();
+                    table.attributes = self.spread(table.attributes.cast(), table.attribute_count, size).cast();
+                    table.attribute_stride = (size + MORE) as u32;
+                }
                 if column.kind == TENON_FEATURES {
                     let features = &mut *item.cast::<tenon_features>();
                     let size = size_of::<tenon_feature>();

@@ -195,7 +195,7 @@ impl Slot {
     }
 
     fn open(&self, running: &Running<'_>) {
-        self.running.store(std::ptr::from_ref(running).cast_mut().cast(), Ordering::SeqCst);
+        self.running.store(std::ptr::from_ref(running).cast_mut().cast(), Ordering::Release);
         self.owner.store(here(), Ordering::Relaxed);
     }
 

@@ -54,7 +54,7 @@ impl Descriptors {
             return Err(self.fault(format!("a port is called \"{name}\"; names are lower case letters, digits and _")));
         }
         self.place = format!("{node}.{name}");
-        if !(TENON_BOOLEAN..=TENON_FEATURES).contains(&p.kind) {
+        if !(TENON_BOOLEAN..=TENON_FEATURES).contains(&p.kind) && p.kind != TENON_TABLE {
             return Err(self.fault(format!("its kind is {}, which no port can have", p.kind)));
         }
         if p.access > TENON_TREE {
