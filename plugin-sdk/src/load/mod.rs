@@ -4,6 +4,8 @@
 mod call;
 mod descriptor;
 mod migrate;
+#[cfg(test)]
+mod tests;
 
 pub use call::{EvaluateError, Message, Sink, Views, Watch, late_calls};
 
