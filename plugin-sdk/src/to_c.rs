@@ -11,7 +11,7 @@ use std::marker::PhantomData;
 #[derive(Debug)]
 pub struct CTree<'a> {
     tree: tenon_tree,
-    _branches: Box<[tenon_branch]>,
+    _branches: Vec<tenon_branch>,
     _items: Vec<Structs>,
     _from: PhantomData<&'a ()>,
 }
@@ -22,20 +22,20 @@ unsafe impl Send for CTree<'_> {}
 unsafe impl Sync for CTree<'_> {}
 
 /// The arrays of one feature set.
-type FeatureArrays = (Box<[tenon_feature]>, Box<[tenon_hardware]>);
+type FeatureArrays = (Vec<tenon_feature>, Vec<tenon_hardware>);
 
 /// The structs around borrowed arrays.
 #[derive(Debug)]
 #[expect(dead_code, reason = "kept alive for the pointers into them")]
 enum Structs {
     None,
-    Texts(Box<[tenon_str]>),
-    Curves(Box<[tenon_curve]>),
-    Meshes(Box<[tenon_mesh]>),
-    Panels(Box<[tenon_panels]>),
-    Features(Box<[tenon_features]>, Vec<FeatureArrays>),
-    Files(Box<[tenon_file]>),
-    Tables(Box<[tenon_table]>, Vec<(Box<[tenon_attribute]>, Vec<Structs>)>),
+    Texts(Vec<tenon_str>),
+    Curves(Vec<tenon_curve>),
+    Meshes(Vec<tenon_mesh>),
+    Panels(Vec<tenon_panels>),
+    Features(Vec<tenon_features>, Vec<FeatureArrays>),
+    Files(Vec<tenon_file>),
+    Tables(Vec<tenon_table>, Vec<(Vec<tenon_attribute>, Vec<Structs>)>),
 }
 
 /// Bytes of a struct, as its first field says it.
@@ -53,7 +53,7 @@ impl<'a> CTree<'a> {
     #[must_use]
     pub fn new(branches: &'a [Branch<'a>]) -> Self {
         let mut items = Vec::with_capacity(branches.len());
-        let branches: Box<[tenon_branch]> = branches
+        let branches: Vec<tenon_branch> = branches
             .iter()
             .map(|b| {
                 let (mut column, structs) = column(&b.items);
@@ -103,47 +103,47 @@ fn column(items: &Items<'_>) -> (tenon_column, Structs) {
             tenon_column { count: *count as u64, ..plain::<u8>(TENON_OPAQUE, type_name, &[]) }
         }
         Items::Text(v) => {
-            let all: Box<[tenon_str]> = v.iter().map(|t| tenon_str::of(t)).collect();
+            let all: Vec<tenon_str> = v.iter().map(|t| tenon_str::of(t)).collect();
             return (plain(TENON_TEXT, "text", &all), Structs::Texts(all));
         }
         Items::Curve(v) => {
-            let all: Box<[tenon_curve]> = v.iter().map(curve).collect();
+            let all: Vec<tenon_curve> = v.iter().map(curve).collect();
             return (plain(TENON_CURVE, "curve", &all), Structs::Curves(all));
         }
         Items::Mesh(v) => {
-            let all: Box<[tenon_mesh]> = v.iter().map(mesh).collect();
+            let all: Vec<tenon_mesh> = v.iter().map(mesh).collect();
             return (plain(TENON_MESH, "mesh", &all), Structs::Meshes(all));
         }
         Items::Panels(v) => {
-            let all: Box<[tenon_panels]> = v.iter().map(panels).collect();
+            let all: Vec<tenon_panels> = v.iter().map(panels).collect();
             return (plain(TENON_PANELS, "panels", &all), Structs::Panels(all));
         }
         Items::Features(v) => {
             let kept: Vec<_> = v.iter().map(feature_arrays).collect();
-            let all: Box<[tenon_features]> = kept.iter().map(|(f, h)| features(f, h)).collect();
+            let all: Vec<tenon_features> = kept.iter().map(|(f, h)| features(f, h)).collect();
             return (plain(TENON_FEATURES, "features", &all), Structs::Features(all, kept));
         }
         Items::Table(v) => {
             let kept: Vec<_> = v.iter().map(attributes).collect();
-            let table = |(t, (attributes, _)): (&Table<'_>, &(Box<[tenon_attribute]>, _))| tenon_table {
+            let table = |(t, (attributes, _)): (&Table<'_>, &(Vec<tenon_attribute>, _))| tenon_table {
                 size: size::<tenon_table>(),
                 attribute_stride: size::<tenon_attribute>(),
                 row_count: t.rows as u64,
                 attributes: some(attributes),
                 attribute_count: attributes.len() as u64,
             };
-            let all: Box<[tenon_table]> = v.iter().zip(&kept).map(table).collect();
+            let all: Vec<tenon_table> = v.iter().zip(&kept).map(table).collect();
             return (plain(TENON_TABLE, "table", &all), Structs::Tables(all, kept));
         }
         Items::File(v) => {
-            let all: Box<[tenon_file]> = v.iter().map(file).collect();
+            let all: Vec<tenon_file> = v.iter().map(file).collect();
             return (plain(TENON_FILE, "file", &all), Structs::Files(all));
         }
     };
     (simple, Structs::None)
 }
 
-fn attributes(t: &Table<'_>) -> (Box<[tenon_attribute]>, Vec<Structs>) {
+fn attributes(t: &Table<'_>) -> (Vec<tenon_attribute>, Vec<Structs>) {
     let mut kept = Vec::with_capacity(t.attributes.len());
     let attribute = |a: &Attribute<'_>| {
         let (mut column, structs) = column(&a.items);
