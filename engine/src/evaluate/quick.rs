@@ -3,10 +3,10 @@
 
 use super::commit::{Evaluation, SMALL};
 use super::gather;
-use super::matching::{self, Simple};
 use super::meter::Meter;
 use super::report::{Event, Happened, Row};
 use super::session::Session;
+use super::simple::{Simple, run_simple};
 use super::state::{NodeRun, Status, Value};
 use crate::call::Monitor;
 use crate::document::model::NodeState;
@@ -44,7 +44,7 @@ impl Session {
         let Some(t) = self.plan.node_type(i) else { return false };
         let made = AtomicU64::new(0);
         let monitor = Monitor { cancel, report: None, made: &made, span: (0.0, 1.0) };
-        let Some(simple) = matching::run_simple(t, gather::simple(&self.plan, t, i, &self.values), monitor) else {
+        let Some(simple) = run_simple(t, gather::simple(&self.plan, t, i, &self.values), monitor) else {
             return false;
         };
         if cancel.load(Ordering::Relaxed) {

@@ -2,10 +2,10 @@
 //! reading will. Where they are kept is the host's business; a result is only used if it is whole.
 
 use super::commit::Evaluation;
+use super::jobs::Job;
 use super::kept::{self, Kept, NotKept};
 use super::matching::Outcome;
 use super::report::{Event, Happened};
-use super::run::Job;
 use super::session::Session;
 use super::state::{NodeRun, Status, Told};
 use crate::diagnostic::{Diagnostic, Severity};

@@ -1,5 +1,6 @@
 //! Values: what flows on wires. Items in columns, columns in trees, each with its digest.
 
+mod cells;
 pub(crate) mod column;
 pub(crate) mod digest;
 pub(crate) mod item;

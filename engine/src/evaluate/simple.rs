@@ -1,0 +1,85 @@
+//! Nodes whose every port has one item, one list or one tree as it is, as nearly all of a graph's small nodes do: they run
+//! without lists of what meets what.
+
+use super::matching::{ALONE, Arg, Outcome, finish_alone, run_lanes};
+use super::output::Output;
+use crate::call::Monitor;
+use crate::port::Access;
+use crate::registry::NodeType;
+use crate::value::{Column, Path, Tree};
+use smallvec::SmallVec;
+use std::borrow::Cow;
+
+/// What a simple node gives.
+pub(crate) enum Simple {
+    /// One number and nothing to say: kept in a register, since making a tree of it takes as long as the node.
+    Number(f64),
+    Outcome(Box<Outcome>),
+}
+
+impl From<Simple> for Outcome {
+    fn from(simple: Simple) -> Self {
+        match simple {
+            Simple::Outcome(outcome) => *outcome,
+            Simple::Number(v) => {
+                let outputs = SmallVec::from([Tree::item(v)]);
+                Self { outputs, reports: Vec::new(), failed: false, cancelled: false, panicked: false }
+            }
+        }
+    }
+}
+
+/// Nodes with more inputs than this are never simple.
+const SIMPLE_PORTS: usize = 6;
+/// Runs a node whose every port has one item, one list or one tree as it is: no list has to be built to run it. `None`:
+/// it is not that simple, and nothing was run. `inputs` gives what arrives at each port and whether it came by wire; an
+/// inner `None` where that is not one tree as it is.
+pub(crate) fn run_simple<'a>(
+    node_type: &NodeType,
+    inputs: impl Iterator<Item = Option<(Option<&'a Tree>, bool)>>,
+    monitor: Monitor<'_>,
+) -> Option<Simple> {
+    if node_type.inputs.len() > SIMPLE_PORTS {
+        return None;
+    }
+    let mut args = [const { Arg::Missing }; SIMPLE_PORTS];
+    let mut path = None;
+    for ((input, port), arg) in inputs.zip(&node_type.inputs).zip(&mut args) {
+        let (tree, by_wire) = input?;
+        let Some(tree) = tree else { continue };
+        let fits = |column: &Column| port.item_type.id.is_none_or(|id| id == column.item_type());
+        if !tree.branches().iter().all(|(_, c)| fits(c) && (!by_wire || !port.is_checked() || port.accepts_all(c))) {
+            return None;
+        }
+        if port.access == Access::Tree {
+            *arg = Arg::Tree(tree);
+            continue;
+        }
+        let [(name, column)] = tree.branches() else { return None };
+        path = path.or(Some(name));
+        *arg = match port.access {
+            Access::List => Arg::List(column),
+            _ if column.len() == 1 && !column.has_gaps() => Arg::One(column),
+            _ => return None,
+        };
+    }
+    let args = args.get(..node_type.inputs.len())?;
+    let root = path.is_none_or(Path::is_root);
+    let path = || path.map_or_else(|| Cow::Owned(Path::root()), Cow::Borrowed);
+    if node_type.outputs.len() != 1 {
+        let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(1)).collect();
+        let lot = run_lanes(node_type, args, ALONE, 0..1, &mut outputs, monitor, usize::MAX);
+        let outcome = finish_alone(node_type, lot, outputs.into_iter(), &path(), Vec::new());
+        return Some(Simple::Outcome(Box::new(outcome)));
+    }
+    let mut output = [Output::new(1)];
+    let lot = run_lanes(node_type, args, ALONE, 0..1, &mut output, monitor, usize::MAX);
+    if lot.good == 1
+        && root
+        && lot.reports.is_empty()
+        && let Some(v) = output[0].as_number()
+    {
+        return Some(Simple::Number(v));
+    }
+    Some(Simple::Outcome(Box::new(finish_alone(node_type, lot, output.into_iter(), &path(), Vec::new()))))
+}
