@@ -14,7 +14,6 @@ pub const CODES: &[Code] = &[
         "A library is no plugin, or one that cannot be loaded.",
         "The message says what is wrong with it.",
     ),
-    code("busy", "Another sweep works in the folder.", "Wait for it, or name another folder."),
     code("exists", "What is to be made is there already.", "Name another, or remove it."),
     code("get", "A value that --get asks for does not exist.", "The reason below it names the nearest."),
     code("inspect", "The port to be shown does not exist.", "The reason below it names the nearest."),
@@ -39,11 +38,6 @@ pub const CODES: &[Code] = &[
     code("not-recorded", "The graph has errors, so nothing was recorded.", "Mend them first."),
     code("not-tested", "Some of the graphs could not be tested.", "Their reasons stand above it."),
     code("set", "An input cannot have the value that --set gives it.", "The reason below it says what it takes."),
-    code(
-        "stale-plan",
-        "The graph or the program is another than when the plan was made.",
-        "Make the plan again; what has not changed is not evaluated again.",
-    ),
     code("unknown-check", "There is no check of that name.", "The hint lists them all."),
     code(
         "unknown-code",

@@ -99,7 +99,7 @@ impl<I: Iterator> Stoppable for I {}
 pub(crate) fn let_go<T: Send + 'static>(list: Vec<T>) {
     if list.len() > LONG && std::mem::needs_drop::<T>() {
         // Where there is no thread to be had, the list is dropped with the closure.
-        let _ = std::thread::Builder::new().name("tenon-drop".into()).spawn(move || drop(list));
+        let _ = std::thread::Builder::new().name("tenon drop".into()).spawn(move || drop(list));
     }
 }
 

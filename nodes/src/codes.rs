@@ -38,6 +38,7 @@ pub const CODES: &[Code] = &[
         "The cut at a border edge would lean so far that it has no end within the panel.",
         "Cut that side square, or with another plane or angle.",
     ),
+    code("busy", "Another sweep works in the folder.", "Wait for it, or name another folder."),
     code(
         "cannot-write",
         "A value cannot be written in the format that was asked for.",
@@ -243,6 +244,11 @@ pub const CODES: &[Code] = &[
         "The message says which column and why.",
     ),
     code("series-too-far", "A series leaves the numbers.", "Take fewer or smaller steps."),
+    code(
+        "stale-plan",
+        "The graph or the program is another than when the plan was made.",
+        "Make the plan again; what has not changed is not evaluated again.",
+    ),
     code(
         "subdivision-point-unreachable",
         "A subdivision point cannot be where it was put.",

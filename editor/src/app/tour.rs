@@ -27,7 +27,10 @@ const STEPS: [(&str, &str); 3] = [
 fn examples() -> Option<PathBuf> {
     let program = std::env::current_exe().ok();
     let above = program.iter().flat_map(|p| p.ancestors().skip(1).take(4)).map(Path::to_owned);
-    above.chain(std::env::current_dir().ok()).map(|p| p.join("graphs")).find(|p| p.join("shell-256").is_dir())
+    above
+        .chain(std::env::current_dir().ok())
+        .map(|p| p.join("graphs"))
+        .find(|p| crate::model::file::find(&p.join("shell-256")).is_ok())
 }
 
 /// The examples, with the pictures that were opened.

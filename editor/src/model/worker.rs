@@ -150,12 +150,14 @@ impl Worker {
 
     fn send(&mut self, request: Request) {
         self.sent += 1;
+        // Held until the request is sent: an evaluation that begins with it waits, and so is not taken for an older one.
+        let running = self.shared.running();
         self.shared.pending.fetch_add(1, Ordering::SeqCst);
         if let Some(requests) = &self.requests {
             // It fails only if the thread has ended, which is told by `alive`.
             let _ = requests.send(request);
         }
-        if let Some(running) = &*self.shared.running()
+        if let Some(running) = &*running
             && (running.stage == Stage::All || running.since.elapsed() > PATIENCE)
         {
             running.cancel.store(true, Ordering::Relaxed);

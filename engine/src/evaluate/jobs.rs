@@ -19,6 +19,8 @@ use std::time::{Duration, Instant};
 const TINY: f64 = 20_000.0;
 /// ... unless more than this comes in, bytes.
 const TINY_BYTES: usize = 64 << 10;
+/// The same for types that say that they are cheap: waking another thread takes longer than going through so much.
+const CHEAP_BYTES: usize = 256 << 10;
 pub(super) struct Job {
     pub node: u32,
     pub key: u128,
@@ -65,7 +67,8 @@ impl Session {
     /// Known to take so little time that it is not worth a thread pool's attention.
     pub(super) fn is_tiny(&self, i: usize) -> bool {
         let cost = self.costs.get(self.plan.nodes[i].node_type as usize).copied().unwrap_or(0.0);
-        cost > 0.0 && cost < TINY && self.bytes_into(i) < TINY_BYTES
+        let cheap = self.plan.node_type(i).is_some_and(|t| t.cheap);
+        cost > 0.0 && (cheap || cost < TINY) && self.bytes_into(i) < if cheap { CHEAP_BYTES } else { TINY_BYTES }
     }
 
     fn bytes_into(&self, i: usize) -> usize {
@@ -113,6 +116,9 @@ impl Session {
 
     fn run_with(&self, job: Job, t: &NodeType, monitor: Monitor<'_>, parallel: bool) -> Outcome {
         let i = job.node as usize;
+        if monitor.cancelled() {
+            return Outcome::stopped();
+        }
         if job.files.is_empty()
             && let Some(outcome) = run_simple(t, gather::simple(&self.plan, t, i, &self.values), monitor)
         {

@@ -360,16 +360,30 @@ fn branch<'a>(
 
 /// How a piece of the lanes went.
 pub(super) struct Lot {
-    pub reports: Vec<(Severity, Fail)>,
+    reports: Vec<(Severity, Fail)>,
     /// Reports that are left out because there are too many.
     untold: usize,
-    pub good: usize,
+    good: usize,
     bad: usize,
     cancelled: bool,
     panicked: bool,
 }
 
 impl Lot {
+    /// One lane, and what it said.
+    pub fn alone(done: Result<(), Box<(Fail, bool)>>, reports: Vec<(Severity, Fail)>, monitor: Monitor<'_>) -> Self {
+        let mut lot = Self { reports, untold: 0, good: 1, bad: 0, cancelled: false, panicked: false };
+        if let Err(fault) = done {
+            let (fail, panic) = *fault;
+            (lot.good, lot.panicked, lot.cancelled) = (0, panic, fail.is_cancelled() || monitor.cancelled());
+            if !fail.is_cancelled() {
+                lot.bad = 1;
+                lot.reports.push((Severity::Error, fail.item_or(None)));
+            }
+        }
+        lot
+    }
+
     fn stopped() -> Self {
         Self { reports: Vec::new(), untold: 0, good: 0, bad: 0, cancelled: true, panicked: false }
     }
@@ -380,6 +394,27 @@ struct Piece {
     lanes: usize,
     outputs: Vec<Output>,
     lot: Lot,
+}
+
+/// Runs the node in the lane at which `call` stands; an error with whether it was a panic.
+pub(super) fn run_lane(call: &mut Call<'_>) -> Result<(), Box<(Fail, bool)>> {
+    let node_type = call.node_type;
+    let result = match &node_type.run {
+        Some(run) => catch_unwind(AssertUnwindSafe(|| run(call))),
+        None => Ok(Ok(())),
+    };
+    let fault = match (result, call.bug.take()) {
+        (Ok(Ok(())), None) => return Ok(()),
+        (Ok(Err(fail)), _) | (Ok(Ok(())), Some(fail)) => (fail, false),
+        (Err(payload), _) if stop::is_stop(&*payload) => (Fail::cancelled(), false),
+        (Err(payload), _) => {
+            let text = payload.downcast_ref::<&str>().map(|s| (*s).to_owned());
+            let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
+            let message = format!("\"{}\" stopped in an unforeseen state: {text}", node_type.type_name);
+            (Fail::new("panic", message).hint("this is a fault in the node, please report it"), true)
+        }
+    };
+    Err(Box::new(fault))
 }
 
 pub(super) fn run_lanes(
@@ -426,25 +461,12 @@ pub(super) fn run_lanes(
         }
         call.lane = lane;
         call.monitor.span = (lane as f64 * share, share);
-        let result = match &node_type.run {
-            Some(run) => catch_unwind(AssertUnwindSafe(|| run(&mut call))),
-            None => Ok(Ok(())),
+        let Err(fault) = run_lane(&mut call) else {
+            good += 1;
+            continue;
         };
-        let fail = match (result, call.bug.take()) {
-            (Ok(Ok(())), None) => {
-                good += 1;
-                continue;
-            }
-            (Ok(Err(fail)), _) | (Ok(Ok(())), Some(fail)) => fail,
-            (Err(payload), _) if stop::is_stop(&*payload) => Fail::cancelled(),
-            (Err(payload), _) => {
-                panicked = true;
-                let text = payload.downcast_ref::<&str>().map(|s| (*s).to_owned());
-                let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
-                Fail::new("panic", format!("\"{}\" stopped in an unforeseen state: {text}", node_type.type_name))
-                    .hint("this is a fault in the node, please report it")
-            }
-        };
+        let (fail, panic) = *fault;
+        panicked |= panic;
         call.outputs.iter_mut().for_each(|o| o.clear(lane - from));
         if fail.is_cancelled() {
             cancelled = true;

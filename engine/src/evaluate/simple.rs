@@ -1,9 +1,9 @@
 //! Nodes whose every port has one item, one list or one tree as it is, as nearly all of a graph's small nodes do: they run
 //! without lists of what meets what.
 
-use super::matching::{ALONE, Arg, Outcome, finish_alone, run_lanes};
+use super::matching::{ALONE, Arg, Lot, Outcome, finish_alone, run_lane};
 use super::output::Output;
-use crate::call::Monitor;
+use crate::call::{Call, Monitor};
 use crate::port::Access;
 use crate::registry::NodeType;
 use crate::value::{Column, Path, Tree};
@@ -31,6 +31,7 @@ impl From<Simple> for Outcome {
 
 /// Nodes with more inputs than this are never simple.
 const SIMPLE_PORTS: usize = 6;
+
 /// Runs a node whose every port has one item, one list or one tree as it is: no list has to be built to run it. `None`:
 /// it is not that simple, and nothing was run. `inputs` gives what arrives at each port and whether it came by wire; an
 /// inner `None` where that is not one tree as it is.
@@ -66,20 +67,27 @@ pub(crate) fn run_simple<'a>(
     let args = args.get(..node_type.inputs.len())?;
     let root = path.is_none_or(Path::is_root);
     let path = || path.map_or_else(|| Cow::Owned(Path::root()), Cow::Borrowed);
+    let mut reports = Vec::new();
+    let mut run = |outputs: &mut [Output]| {
+        let reports = &mut reports;
+        let (lane, first_lane) = (0, 0);
+        run_lane(&mut Call { node_type, args, lanes: ALONE, lane, first_lane, outputs, reports, monitor, bug: None })
+    };
     if node_type.outputs.len() != 1 {
         let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(1)).collect();
-        let lot = run_lanes(node_type, args, ALONE, 0..1, &mut outputs, monitor, usize::MAX);
+        let lot = Lot::alone(run(&mut outputs), reports, monitor);
         let outcome = finish_alone(node_type, lot, outputs.into_iter(), &path(), Vec::new());
         return Some(Simple::Outcome(Box::new(outcome)));
     }
     let mut output = [Output::new(1)];
-    let lot = run_lanes(node_type, args, ALONE, 0..1, &mut output, monitor, usize::MAX);
-    if lot.good == 1
+    let done = run(&mut output);
+    if done.is_ok()
         && root
-        && lot.reports.is_empty()
+        && reports.is_empty()
         && let Some(v) = output[0].as_number()
     {
         return Some(Simple::Number(v));
     }
+    let lot = Lot::alone(done, reports, monitor);
     Some(Simple::Outcome(Box::new(finish_alone(node_type, lot, output.into_iter(), &path(), Vec::new()))))
 }

@@ -49,7 +49,7 @@ pub fn write_layout_json(drawing: &Drawing, go: &dyn Fn() -> bool) -> Vec<u8> {
         boards: drawing.boards,
     };
     let pieces = drawing.pieces.iter().take_while(|_| go());
-    document(&head, [("pieces", pieces.map(|p| json(&record(p))).collect())])
+    document(&head, "pieces", pieces.map(|p| json(&record(p))))
 }
 
 fn record(p: &DrawnPiece) -> Piece<'_> {

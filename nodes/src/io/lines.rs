@@ -7,17 +7,19 @@ pub(super) fn json(value: &impl Serialize) -> String {
     serde_json::to_string(value).unwrap_or_default()
 }
 
-/// The head's object with lists added: `{ head, "key": [ one line each ], … }`.
-pub(super) fn document<const N: usize>(head: &impl Serialize, lists: [(&str, Vec<String>); N]) -> Vec<u8> {
+/// The head's object with a list added: `{ head, "key": [ one line each ] }`. Lines are written as they come, so that who
+/// makes them can stop.
+pub(super) fn document(head: &impl Serialize, key: &str, lines: impl Iterator<Item = String>) -> Vec<u8> {
     let head = json(head);
     let mut out = head.strip_suffix('}').unwrap_or(&head).to_owned();
-    for (key, lines) in lists {
-        out.push_str(",\"");
-        out.push_str(key);
-        out.push_str("\":[\n");
-        out.push_str(&lines.join(",\n"));
-        out.push_str("\n]");
+    out.push_str(",\"");
+    out.push_str(key);
+    out.push_str("\":[\n");
+    for (i, line) in lines.enumerate() {
+        out.push_str(if i > 0 { ",\n" } else { "" });
+        out.push_str(&line);
     }
+    out.push_str("\n]");
     out.push_str("}\n");
     out.into_bytes()
 }

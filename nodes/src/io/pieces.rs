@@ -170,7 +170,7 @@ pub fn write_pieces_json(parts: &PartSet, layout: &Layout) -> Result<Vec<u8>, Dr
         total,
         hardware: parts.features.hardware.iter().map(count).collect(),
     };
-    Ok(document(&head, [("pieces", pieces.iter().inspect(|_| stop::check()).map(json).collect())]))
+    Ok(document(&head, "pieces", pieces.iter().inspect(|_| stop::check()).map(json)))
 }
 
 /// Writes the piece list as CSV (RFC 4180, a header line, points as decimal marks). Lengths have 3 decimals (mm), areas
