@@ -75,6 +75,7 @@ fn what_a_proof_has_found_is_marked_on_the_board() {
     std::fs::write(&file, text).unwrap();
     let mut w = Window::open(Some(&dir));
     w.click(w.rect("Boards").center());
+    w.settle();
     let faults = w.app().boards.player.faults.clone();
     assert!(!faults.is_empty(), "{:?}", w.app().model.results.diagnostics);
     assert!(faults.iter().any(|f| f.at.is_some()));
