@@ -1,4 +1,4 @@
-//! `tenon run --out` killed at any moment: what has its name is whole, of this run or of the one before.
+//! `tenon run --out` killed at any moment: what has its name is whole, and all of it is of this run or of the one before.
 #![cfg(unix)]
 
 use crate::tenon::{Folder, shipped};
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 fn named(folder: &Folder, dir: &str) -> BTreeMap<String, Vec<u8>> {
     let within = format!("{dir}/");
     let names = folder.files().into_iter().filter_map(|n| n.strip_prefix(&within).map(str::to_owned));
-    let names = names.filter(|n| !n.ends_with(".tmp"));
+    let names = names.filter(|n| !n.ends_with(".tmp") && !n.ends_with(".stale"));
     names.filter_map(|n| Some((n.clone(), std::fs::read(folder.0.join(dir).join(&n)).ok()?))).collect()
 }
 
@@ -57,10 +57,16 @@ fn nothing_half_written_has_a_name() {
         // SIGKILL; it may have come to its end.
         let _ = child.kill();
         cut_short += u32::from(child.wait().unwrap().code().is_none());
-        for (name, bytes) in named(&folder, "out") {
-            let whole = [&old, &new].iter().any(|all| all.get(&name).is_some_and(|whole| *whole == bytes));
+        let left = named(&folder, "out");
+        for (name, bytes) in &left {
+            let whole = [&old, &new].iter().any(|all| all.get(name) == Some(bytes));
             assert!(whole, "round {round}: {name} with {} bytes is half-written", bytes.len());
         }
+        // The list of files comes last, and is that of the run before until then.
+        let of = |all: &BTreeMap<String, Vec<u8>>| {
+            left.iter().filter(|(name, _)| *name != ".tenon-files").all(|(name, bytes)| all.get(name) == Some(bytes))
+        };
+        assert!(of(&old) || of(&new), "round {round}: files of two runs stand side by side");
         std::fs::remove_dir_all(folder.0.join("out")).unwrap();
     }
     assert!(cut_short >= 4, "only {cut_short} of the runs were killed before their end");

@@ -13,6 +13,8 @@ pub const STRIDE: usize = 1 << 12;
 
 /// Lists longer than this are given back to the memory by a thread of their own, if their items have something to drop.
 const LONG: usize = 1 << 14;
+/// ... and those of more bytes whatever they hold: unmapping so many pages takes milliseconds.
+const LARGE: usize = 16 << 20;
 
 /// Carried by the unwinding.
 struct Stopped;
@@ -95,9 +97,9 @@ pub trait Stoppable: Iterator + Sized {
 
 impl<I: Iterator> Stoppable for I {}
 
-/// Drops a list, a long one on another thread.
+/// Drops a list, a long or large one on another thread.
 pub(crate) fn let_go<T: Send + 'static>(list: Vec<T>) {
-    if list.len() > LONG && std::mem::needs_drop::<T>() {
+    if (list.len() > LONG && std::mem::needs_drop::<T>()) || size_of_val(list.as_slice()) > LARGE {
         // Where there is no thread to be had, the list is dropped with the closure.
         let _ = std::thread::Builder::new().name("tenon drop".into()).spawn(move || drop(list));
     }
@@ -118,6 +120,33 @@ impl<T: Send + 'static> Pending<T> {
     #[must_use]
     pub fn take(mut self) -> Vec<T> {
         std::mem::take(&mut self.0)
+    }
+
+    /// Its items one after another; what is left of them when the iterator goes is dropped in the same way.
+    #[must_use]
+    pub fn each(self) -> Each<T> {
+        Each(self.take().into_iter())
+    }
+}
+
+/// The items of a [`Pending`] list.
+pub struct Each<T: Send + 'static>(std::vec::IntoIter<T>);
+
+impl<T: Send + 'static> Iterator for Each<T> {
+    type Item = T;
+
+    fn next(&mut self) -> Option<T> {
+        self.0.next()
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        self.0.size_hint()
+    }
+}
+
+impl<T: Send + 'static> Drop for Each<T> {
+    fn drop(&mut self) {
+        let_go(std::mem::take(&mut self.0).collect());
     }
 }
 

@@ -2,7 +2,8 @@
 
 use crate::common::*;
 use serde_json::json;
-use tenon_engine::{Happened, Severity};
+use std::sync::Arc;
+use tenon_engine::*;
 
 #[test]
 fn a_failed_node_blocks_only_what_depends_on_it() {
@@ -48,6 +49,80 @@ fn a_panic_is_caught_and_named() {
     let d = &report.diagnostics[0];
     assert_eq!((&*d.code, d.node.as_deref()), ("panic", Some("p")));
     assert!(d.message.contains("the sky fell"), "{d}");
+}
+
+/// An item that cannot be copied.
+#[derive(Default)]
+struct Brittle;
+
+impl Clone for Brittle {
+    fn clone(&self) -> Self {
+        panic!("it broke")
+    }
+}
+
+impl Item for Brittle {
+    const TYPE: &'static str = "brittle";
+
+    fn digest(&self, _: &mut Digester) {}
+
+    fn to_json(&self) -> Json {
+        Json::Null
+    }
+
+    fn from_json(_: &Json) -> Result<Self, String> {
+        Ok(Self)
+    }
+}
+
+/// A host whose disk panics.
+struct Haunted;
+
+impl Host for Haunted {
+    fn read(&self, _: &str) -> std::io::Result<Arc<[u8]>> {
+        panic!("boo")
+    }
+}
+
+#[test]
+fn a_panic_in_what_the_engine_does_with_items_and_files_is_caught_too() {
+    let mut registry = Registry::new();
+    registry.register_type::<Brittle>();
+    let two = NodeType::new("two", 1).output(Port::list::<Brittle>("items")).run(|c| {
+        c.set_list("items", vec![Brittle, Brittle]);
+        Ok(())
+    });
+    let take =
+        NodeType::new("take", 1).input(Port::tree::<Brittle>("in")).output(Port::tree::<Brittle>("out")).run(|c| {
+            let tree = c.tree("in").clone();
+            c.set_tree("out", tree);
+            Ok(())
+        });
+    let read =
+        NodeType::new("read", 1).input(Port::item::<Text>("path").file()).output(Port::item::<i64>("n")).run(|c| {
+            c.set("n", 1i64);
+            Ok(())
+        });
+    for node in [two, take, read] {
+        registry.register(node).expect("sound");
+    }
+    let grafted = json!({"in": {"from": ["t.items"], "tree": ["graft"]}});
+    let nodes = json!({
+        "t": {"type": "two"},
+        "x": {"type": "take", "inputs": grafted},
+        "y": {"type": "take", "state": "bypassed", "inputs": grafted},
+        "r": {"type": "read", "params": {"path": "a.txt"}},
+        "good": {"type": "take", "inputs": {"in": {"from": ["t.items"]}}},
+    });
+    let options = Options { host: Arc::new(Haunted), ..Options::default() };
+    let mut s = Session::new(Arc::new(registry), document(nodes), options);
+    for _ in 0..2 {
+        let report = evaluate(&mut s, &[]);
+        let told: Vec<_> = report.diagnostics.iter().map(|d| (&*d.code, d.node.as_deref())).collect();
+        assert_eq!(told, [("panic", Some("r")), ("panic", Some("x")), ("panic", Some("y"))]);
+        assert!(report.diagnostics[0].message.contains("boo") && report.diagnostics[1].message.contains("it broke"));
+        assert!(s.value("good.out").is_some() && s.value("x.out").is_none());
+    }
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::common::*;
 use serde_json::json;
+use tenon_engine::*;
 
 #[test]
 fn a_failed_item_leaves_a_gap_and_its_neighbours_stay_in_place() {
@@ -13,6 +14,51 @@ fn a_failed_item_leaves_a_gap_and_its_neighbours_stay_in_place() {
     assert_eq!(items(&s, "r.value"), json!([2.0, null, 3.0]));
     assert_eq!(items(&s, "x.sum"), json!([12.0, null, 33.0]));
     assert_eq!(lines(&report), ["error[negative] r.a item 1: -1 has no root (use 0 or more)"]);
+}
+
+#[test]
+fn what_is_told_of_many_faults_does_not_depend_on_how_lanes_are_shared_out() {
+    let mut registry = Registry::new();
+    let number = |name: &'static str| Port::item::<f64>(name);
+    let series =
+        NodeType::new("series", 1).input(Port::item::<i64>("count")).output(Port::list::<f64>("values")).run(|c| {
+            let n = c.integer("count")?;
+            c.set_list("values", (0..n).map(|i| i as f64).collect());
+            Ok(())
+        });
+    let divide = NodeType::new("divide", 1).input(number("a")).input(number("b")).output(number("c")).run(|c| {
+        let (a, b) = (c.number("a")?, c.number("b")?);
+        if b < 100.0 {
+            return Err(Fail::new("too-small", format!("{a} cannot be divided by {b}")));
+        }
+        c.set("c", a / b);
+        Ok(())
+    });
+    registry.register(series).and_then(|()| registry.register(divide)).expect("sound");
+    let registry = std::sync::Arc::new(registry);
+    let from = |wire: &str| json!({"from": [wire]});
+    let nodes = |count: i64| {
+        let series = json!({"type": "series", "params": {"count": count}});
+        let divide =
+            json!({"type": "divide", "match": "cross", "inputs": {"a": from("s.values"), "b": from("s.values")}});
+        document(json!({"s": series, "d": divide}))
+    };
+    let told = |small_before: usize, threads: usize| {
+        let mut s = Session::new(registry.clone(), nodes(3), Options { threads, ..Options::default() });
+        for i in 0..small_before {
+            // The engine learns that the node is cheap, and then runs it in one piece.
+            s.set("s.count", json!(3 + i as i64)).expect("accepted");
+            evaluate(&mut s, &[]);
+        }
+        s.set("s.count", json!(1100)).expect("accepted");
+        lines(&evaluate(&mut s, &[]))
+    };
+    let fresh = told(0, 2);
+    assert_eq!(fresh[0], "error[too-small] d item 0: 0 cannot be divided by 0");
+    let (last, few) = (&fresh[fresh.len() - 1], fresh.len() - 1);
+    assert!(last.contains(&format!("{} more items", 1100 * 100 - few)), "{last}");
+    assert!((10_000..20_000).contains(&few), "{few} of 110,000 are told");
+    assert_eq!((told(5, 2), told(5, 1)), (fresh.clone(), fresh));
 }
 
 #[test]

@@ -28,7 +28,7 @@ pub fn make(args: &SweepPlanArgs) -> Result<End, Wrong> {
     if !faults.is_empty() {
         return Err(Wrong::new("no-graph", format!("{} has errors", file.display())).because(faults));
     }
-    let digest = document_digest(&document);
+    let digest = document_digest(&document, &registry);
     let mut session = Session::new(registry, document, Options { host: Arc::new(host), ..Options::default() });
     let mut axes: Vec<(String, Vec<Json>)> = Vec::new();
     for text in &args.set {

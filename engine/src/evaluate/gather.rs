@@ -1,6 +1,6 @@
 //! What arrives at a node: wires merged, items converted, trees reshaped, files read; and the key that all of it makes.
 
-use super::matching::{FileRead, Input, Matching};
+use super::matching::{FileRead, FilesOfPort, Input, Matching};
 use super::state::Value;
 use crate::diagnostic::{Fail, Severity};
 use crate::document::model::TreeOp;
@@ -27,7 +27,7 @@ const BUNDLE: u128 = 2;
 const UNREAD: u128 = 3;
 
 /// The cache key: node type, version, matching, and per port what comes in. No value is touched, only digests.
-pub(crate) fn key(plan: &Plan, n: usize, values: &Values, files: &[(usize, Vec<Vec<FileRead>>)]) -> u128 {
+pub(crate) fn key(plan: &Plan, n: usize, values: &Values, files: &[FilesOfPort]) -> u128 {
     let node = &plan.nodes[n];
     let Some(t) = plan.node_type(n) else { return 0 };
     let mut d = Mixer::new(t.digest ^ u128::from(node.matching as u8));
@@ -199,7 +199,7 @@ pub(crate) fn files(
     n: usize,
     values: &Values,
     read: &mut dyn FnMut(&Arc<str>) -> FileRead,
-) -> Vec<(usize, Vec<Vec<FileRead>>)> {
+) -> Vec<FilesOfPort> {
     let Some(t) = plan.node_type(n) else { return Vec::new() };
     let mut all = Vec::new();
     for (p, _) in t.inputs.iter().enumerate().filter(|(_, p)| p.file) {
@@ -237,7 +237,7 @@ pub(crate) fn inputs<'a>(
     registry: &Registry,
     n: usize,
     values: &'a Values,
-    files: Vec<(usize, Vec<Vec<FileRead>>)>,
+    files: Vec<FilesOfPort>,
     reports: &mut Vec<(Severity, Fail)>,
 ) -> Result<(Vec<Input<'a>>, Matching), Fail> {
     let mut inputs = Vec::with_capacity(plan.slot_count(n));

@@ -1,16 +1,17 @@
 //! Running nodes that were found to have to run: one after another on this thread if they are tiny, else on the pool.
 
 use super::gather;
-use super::matching::{self, FileRead, Outcome};
+use super::matching::{self, FilesOfPort, Outcome, panicked};
 use super::meter::Meter;
 use super::session::Session;
 use super::simple::run_simple;
 use crate::call::Monitor;
-use crate::diagnostic::Severity;
+use crate::diagnostic::{Fail, Severity};
 use crate::plan::Slot;
 use crate::registry::NodeType;
 use crate::stop;
 use rayon::prelude::*;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -21,10 +22,17 @@ const TINY: f64 = 20_000.0;
 const TINY_BYTES: usize = 64 << 10;
 /// The same for types that say that they are cheap: waking another thread takes longer than going through so much.
 const CHEAP_BYTES: usize = 256 << 10;
+
+/// Runs the engine's own work on what a node takes or gives; `None` if it was told to stop. Items are the nodes' own: copying,
+/// converting or digesting one may panic as the node itself may.
+pub(super) fn guarded<R>(t: &NodeType, cancel: &Arc<AtomicBool>, work: impl FnOnce() -> R) -> Result<Option<R>, Fail> {
+    catch_unwind(AssertUnwindSafe(|| stop::within(cancel, work))).map_err(|payload| panicked(t, &*payload))
+}
+
 pub(super) struct Job {
     pub node: u32,
     pub key: u128,
-    pub files: Vec<(usize, Vec<Vec<FileRead>>)>,
+    pub files: Vec<FilesOfPort>,
     /// What is kept of it is damaged and must be written anew.
     pub rewrite: bool,
 }
@@ -50,12 +58,16 @@ impl Session {
             let (outcome, end) = self.run_job(j, true, cancel, meter);
             (outcome, end - start)
         };
-        let slow = jobs.iter().any(|j| self.plan.node_type(j.node as usize).is_some_and(|t| t.slow));
+        // Each tiny job alone would cost more to hand over than to do.
+        let heavy = |j: &Job| {
+            let i = j.node as usize;
+            self.plan.node_type(i).is_some_and(|t| t.slow) || !self.is_tiny(i)
+        };
+        let least = if jobs.iter().any(heavy) { 1 } else { 32 };
         let run = || -> Vec<(Outcome, Duration)> {
             if jobs.len() == 1 {
                 return jobs.into_iter().map(alone).collect();
             }
-            let least = if slow { 1 } else { 32 };
             jobs.into_par_iter().with_min_len(least).map(alone).collect()
         };
         match self.pool() {
@@ -110,8 +122,11 @@ impl Session {
         }
         let made = AtomicU64::new(0);
         let monitor = Monitor { cancel, report, made: &made, span: (0.0, 1.0) };
-        let outcome = stop::within(cancel, || self.run_with(job, t, monitor, parallel));
-        (outcome.unwrap_or_else(Outcome::stopped), Instant::now())
+        let outcome = match guarded(t, cancel, || self.run_with(job, t, monitor, parallel)) {
+            Ok(outcome) => outcome.unwrap_or_else(Outcome::stopped),
+            Err(fail) => Outcome { panicked: true, ..Outcome::failure(vec![(Severity::Error, fail)]) },
+        };
+        (outcome, Instant::now())
     }
 
     fn run_with(&self, job: Job, t: &NodeType, monitor: Monitor<'_>, parallel: bool) -> Outcome {

@@ -1,15 +1,16 @@
 //! Matching: which items meet in which lane, and one node run over all its lanes.
 //! A lane that fails leaves a gap at its index in every output; item i never meets item i+1's partner.
 
-use super::output::{Output, alone, join};
+use super::output::{Output, Pieces, alone, join};
 use crate::call::{Call, MOST_ITEMS, Monitor, too_many};
 use crate::diagnostic::{Fail, Severity};
 use crate::port::{Access, Port};
 use crate::registry::NodeType;
-use crate::stop::{self, Stoppable, Ticker};
+use crate::stop::{self, Pending, Stoppable, Ticker};
 use crate::value::{Column, Path, Tree};
 use rayon::prelude::*;
 use smallvec::SmallVec;
+use std::any::Any;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -42,6 +43,9 @@ impl Matching {
 
 /// Content of a file, or why it could not be read.
 pub(crate) type FileRead = Result<Arc<[u8]>, String>;
+
+/// The files of one port, by its number: per branch and item what was read.
+pub(crate) type FilesOfPort = (usize, Vec<Vec<FileRead>>);
 
 /// What a lane needs to find its item in a column.
 pub(crate) struct Rule<'a> {
@@ -104,18 +108,33 @@ impl Outcome {
     }
 }
 
-struct Branch<'a> {
-    path: Path,
+/// All branches. What arrives at their ports stands in one list: a million branches are three allocations.
+struct Branches<'a> {
+    list: Vec<Branch<'a>>,
     args: Vec<Arg<'a>>,
+    ports: usize,
+}
+
+struct Branch<'a> {
+    path: &'a Path,
     lanes: Lanes,
+}
+
+impl<'a> Branches<'a> {
+    /// What arrives at each port in branch `b`.
+    fn args(&self, b: usize) -> &[Arg<'a>] {
+        &self.args[b * self.ports..(b + 1) * self.ports]
+    }
 }
 
 /// The most lanes all branches together may have.
 const MOST_LANES: usize = MOST_ITEMS;
-/// With more lanes than this, each piece of them tells of few faults only: nobody reads millions, and they would fill the
-/// memory.
+/// With more lanes than this, few faults are told in each piece of them, however the pieces are shared out: nobody reads
+/// millions, and they would fill the memory.
 const MANY_LANES: usize = 1 << 20;
 const FEW_FAULTS: usize = 16;
+/// The path of what has no branches to be named after.
+static ROOT: Path = Path::ROOT;
 /// One lane.
 pub(super) const ALONE: Lanes = Lanes { count: 1, cross: false };
 /// Lanes of a node that is not slow are shared out in pieces of this many.
@@ -142,30 +161,34 @@ pub(crate) fn run(
             return Outcome::failure(reports);
         }
     };
-    if let [branch] = branches.as_slice()
+    if let [branch] = branches.list.as_slice()
         && branch.lanes.count == 1
     {
-        return run_alone(node_type, branch, monitor, reports);
+        return run_alone(node_type, branch, branches.args(0), monitor, reports);
     }
-    let mut pieces: Vec<(usize, usize, usize)> = Vec::with_capacity(branches.len());
-    for (b, branch) in branches.iter().enumerate() {
+    let few = branches.list.iter().stoppable().map(|b| b.lanes.count).sum::<usize>() > MANY_LANES;
+    let most_faults = if few { FEW_FAULTS } else { usize::MAX };
+    let mut pieces: Vec<(usize, usize, usize)> = Vec::with_capacity(branches.list.len());
+    for (b, branch) in branches.list.iter().enumerate().stoppable() {
         let count = branch.lanes.count;
         let size = match (parallel, node_type.slow) {
             (false, _) => count,
-            (true, true) => count.div_ceil(256),
+            (true, true) if !few => count.div_ceil(256),
+            // Whole pieces, so that what is told of each does not depend on how they are shared out.
+            (true, true) => count.div_ceil(256).next_multiple_of(PIECE),
             (true, false) => PIECE,
         };
         let size = size.max(1);
         pieces.extend((0..count.div_ceil(size)).map(|i| (b, i * size, ((i + 1) * size).min(count))));
     }
-    let few = branches.iter().map(|b| b.lanes.count).sum::<usize>() > MANY_LANES;
-    let most_faults = if few { FEW_FAULTS } else { usize::MAX };
     let work = |&(b, from, to): &(usize, usize, usize)| {
-        let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(to - from)).collect();
-        let branch = &branches[b];
+        if monitor.cancelled() {
+            return Piece { lanes: to - from, outputs: SmallVec::new(), lot: Lot::stopped() };
+        }
+        let mut outputs: Pieces = node_type.outputs.iter().map(|_| Output::new(to - from)).collect();
+        let (args, lanes) = (branches.args(b), branches.list[b].lanes);
         let lot = stop::within(monitor.cancel, || {
-            let mut lot =
-                run_lanes(node_type, &branch.args, branch.lanes, from..to, &mut outputs, monitor, most_faults);
+            let mut lot = run_lanes(node_type, args, lanes, from..to, &mut outputs, monitor, most_faults);
             lot.reports.shrink_to_fit();
             lot
         });
@@ -176,25 +199,27 @@ pub(crate) fn run(
     } else {
         pieces.iter().map(work).collect()
     };
+    let done = Pending::new(done);
     let made = monitor.made.load(Ordering::Relaxed);
     if made > MOST_ITEMS as u64 && !done.iter().any(|piece| piece.lot.cancelled) {
         // Which lane was the last to fit is up to the threads.
         reports.push((Severity::Error, too_many(made)));
         return Outcome::failure(reports);
     }
-    gather(node_type, &branches, done, reports)
+    gather(node_type, &branches.list, done, reports)
 }
 
 /// One branch, one lane.
 fn run_alone(
     node_type: &NodeType,
     branch: &Branch<'_>,
+    args: &[Arg<'_>],
     monitor: Monitor<'_>,
     reports: Vec<(Severity, Fail)>,
 ) -> Outcome {
-    let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(1)).collect();
-    let lot = run_lanes(node_type, &branch.args, branch.lanes, 0..1, &mut outputs, monitor, usize::MAX);
-    finish_alone(node_type, lot, outputs.into_iter(), &branch.path, reports)
+    let mut outputs: Pieces = node_type.outputs.iter().map(|_| Output::new(1)).collect();
+    let lot = run_lanes(node_type, args, branch.lanes, 0..1, &mut outputs, monitor, usize::MAX);
+    finish_alone(node_type, lot, outputs.into_iter(), branch.path, reports)
 }
 
 /// What one lane has set becomes trees.
@@ -231,7 +256,7 @@ fn check(input: &mut Input<'_>, port: &Port, reports: &mut Vec<(Severity, Fail)>
     let Some(tree) = &input.tree else { return true };
     let many = tree.branches().len() > 1;
     let mut bad_branches = Vec::new();
-    for (b, (path, column)) in tree.branches().iter().enumerate() {
+    for (b, (path, column)) in tree.branches().iter().enumerate().stoppable() {
         let bad = port.check(column);
         if bad.places.is_empty() {
             continue;
@@ -258,15 +283,17 @@ fn check(input: &mut Input<'_>, port: &Port, reports: &mut Vec<(Severity, Fail)>
     if port.access != Access::Item {
         return false;
     }
-    let mut branches = tree.branches().to_vec();
+    let mut branches = Pending::new(Vec::with_capacity(tree.branches().len()));
+    branches.extend(tree.branches().iter().stoppable().cloned());
     for (b, column) in bad_branches {
         branches[b].1 = column;
     }
-    input.tree = Some(Cow::Owned(Tree::from_branches(branches)));
+    input.tree = Some(Cow::Owned(Tree::from_branches(branches.take())));
     true
 }
 
-fn branches<'a>(node_type: &NodeType, inputs: &'a [Input<'a>], matching: Matching) -> Result<Vec<Branch<'a>>, Fail> {
+fn branches<'a>(node_type: &NodeType, inputs: &'a [Input<'a>], matching: Matching) -> Result<Branches<'a>, Fail> {
+    let ports = node_type.inputs.len();
     let matched = || {
         let ports = inputs.iter().zip(&node_type.inputs).filter(|(_, p)| p.access != Access::Tree);
         ports.filter_map(|(i, _)| i.tree.as_deref())
@@ -277,36 +304,37 @@ fn branches<'a>(node_type: &NodeType, inputs: &'a [Input<'a>], matching: Matchin
     };
     let Some(count) = count else {
         let args = inputs.iter().map(|i| i.tree.as_deref().map_or(Arg::Missing, Arg::Tree)).collect();
-        return Ok(vec![Branch { path: Path::root(), args, lanes: ALONE }]);
+        return Ok(Branches { list: vec![Branch { path: &ROOT, lanes: ALONE }], args, ports });
     };
     // The first port with the most branches names the paths.
     let longest = matched().map(|t| t.branches().len()).max().unwrap_or(0);
     let names = matched().find(|t| t.branches().len() == longest);
-    let mut all = Vec::with_capacity(count);
-    let mut lanes = 0usize;
+    let mut all = Branches { list: Vec::with_capacity(count), args: Vec::with_capacity(count * ports), ports };
+    let mut sum = 0usize;
     let ticker = Ticker::new();
     for b in 0..count {
         ticker.tick();
-        let path = names.and_then(|t| t.branches().get(b)).map_or_else(Path::root, |(p, _)| p.clone());
-        let branch = branch(node_type, inputs, matching, b, path)?;
-        lanes = lanes.saturating_add(branch.lanes.count);
-        if lanes > MOST_LANES {
-            let message = format!("{} of {count} branches come to {lanes} runs; the most is {MOST_LANES}", b + 1);
+        let path = names.and_then(|t| t.branches().get(b)).map_or(&ROOT, |(p, _)| p);
+        let lanes = branch(node_type, inputs, matching, b, &mut all.args)?;
+        sum = sum.saturating_add(lanes.count);
+        if sum > MOST_LANES {
+            let message = format!("{} of {count} branches come to {sum} runs; the most is {MOST_LANES}", b + 1);
             return Err(Fail::new("too-many-lanes", message));
         }
-        all.push(branch);
+        all.list.push(Branch { path, lanes });
     }
     Ok(all)
 }
 
+/// The lanes of branch `b`; what arrives at its ports goes behind `args`.
 fn branch<'a>(
     node_type: &NodeType,
     inputs: &'a [Input<'a>],
     matching: Matching,
     b: usize,
-    path: Path,
-) -> Result<Branch<'a>, Fail> {
-    let mut args = Vec::with_capacity(inputs.len());
+    args: &mut Vec<Arg<'a>>,
+) -> Result<Lanes, Fail> {
+    let first = args.len();
     let (mut longest, mut shortest, mut any) = (0, usize::MAX, false);
     for (input, port) in inputs.iter().zip(&node_type.inputs) {
         let Some(tree) = input.tree.as_deref() else {
@@ -342,7 +370,7 @@ fn branch<'a>(
         Matching::Shortest => shortest,
         Matching::Cross => {
             let mut stride = 1usize;
-            for arg in args.iter_mut().rev() {
+            for arg in args[first..].iter_mut().rev() {
                 if let Arg::Item(_, rule) = arg {
                     rule.stride = stride;
                     stride = stride.saturating_mul(rule.len);
@@ -355,7 +383,7 @@ fn branch<'a>(
         let message = format!("the inputs cross to {count} runs; the most is {MOST_LANES}");
         return Err(Fail::new("too-many-lanes", message));
     }
-    Ok(Branch { path, args, lanes: Lanes { count, cross } })
+    Ok(Lanes { count, cross })
 }
 
 /// How a piece of the lanes went.
@@ -392,7 +420,7 @@ impl Lot {
 /// A piece of the lanes of one branch and what it has set.
 struct Piece {
     lanes: usize,
-    outputs: Vec<Output>,
+    outputs: Pieces,
     lot: Lot,
 }
 
@@ -407,14 +435,17 @@ pub(super) fn run_lane(call: &mut Call<'_>) -> Result<(), Box<(Fail, bool)>> {
         (Ok(Ok(())), None) => return Ok(()),
         (Ok(Err(fail)), _) | (Ok(Ok(())), Some(fail)) => (fail, false),
         (Err(payload), _) if stop::is_stop(&*payload) => (Fail::cancelled(), false),
-        (Err(payload), _) => {
-            let text = payload.downcast_ref::<&str>().map(|s| (*s).to_owned());
-            let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
-            let message = format!("\"{}\" stopped in an unforeseen state: {text}", node_type.type_name);
-            (Fail::new("panic", message).hint("this is a fault in the node, please report it"), true)
-        }
+        (Err(payload), _) => (panicked(node_type, &*payload), true),
     };
     Err(Box::new(fault))
+}
+
+/// What is told of a panic.
+pub(super) fn panicked(node_type: &NodeType, payload: &(dyn Any + Send)) -> Fail {
+    let text = payload.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str)).unwrap_or_default();
+    let message = format!("\"{}\" stopped in an unforeseen state: {text}", node_type.type_name);
+    Fail::new("panic", message).hint("this is a fault in the node, please report it")
 }
 
 pub(super) fn run_lanes(
@@ -449,9 +480,13 @@ pub(super) fn run_lanes(
     };
     let share = 1.0 / lanes.count.max(1) as f64;
     let mut untold = 0;
+    let mut most = 0;
     for lane in from..to {
-        untold += call.reports.len().saturating_sub(most_faults);
-        call.reports.truncate(most_faults);
+        untold += call.reports.len().saturating_sub(most);
+        call.reports.truncate(most);
+        if (lane - from).is_multiple_of(PIECE) {
+            most = call.reports.len().saturating_add(most_faults);
+        }
         if call.monitor.cancelled() {
             cancelled = true;
             break;
@@ -479,44 +514,45 @@ pub(super) fn run_lanes(
             break;
         }
     }
-    untold += reports.len().saturating_sub(most_faults);
-    reports.truncate(most_faults);
+    untold += reports.len().saturating_sub(most);
+    reports.truncate(most);
     Lot { reports, untold, good, bad, cancelled, panicked }
 }
 
+/// Puts the pieces together: branches in their order, in each the lanes in theirs.
 fn gather(
     node_type: &NodeType,
     branches: &[Branch<'_>],
-    done: Vec<Piece>,
+    mut done: Pending<Piece>,
     mut reports: Vec<(Severity, Fail)>,
 ) -> Outcome {
-    let (mut good, mut bad, mut untold, mut panicked) = (0, 0, 0, false);
-    let mut parts: Vec<Vec<(Path, Column)>> =
-        node_type.outputs.iter().map(|_| Vec::with_capacity(branches.len())).collect();
     if done.iter().any(|piece| piece.lot.cancelled) {
         // What they have is not worth putting together.
         let panicked = done.iter().any(|piece| piece.lot.panicked);
-        reports.extend(done.into_iter().flat_map(|piece| piece.lot.reports));
+        done.iter_mut().for_each(|piece| reports.append(&mut piece.lot.reports));
         return Outcome { reports, panicked, ..Outcome::stopped() };
     }
-    let mut done = done.into_iter();
-    let ticker = Ticker::new();
-    for branch in branches {
-        ticker.tick();
-        let mut columns: Vec<Vec<Output>> = node_type.outputs.iter().map(|_| Vec::with_capacity(1)).collect();
+    let (mut good, mut bad, mut untold, mut panicked) = (0, 0, 0, false);
+    for piece in done.iter_mut().stoppable() {
+        let lot = &mut piece.lot;
+        (good, bad, untold, panicked) = (good + lot.good, bad + lot.bad, untold + lot.untold, panicked | lot.panicked);
+        reports.append(&mut lot.reports);
+    }
+    let mut parts: SmallVec<[Pending<(Path, Column)>; 1]> =
+        node_type.outputs.iter().map(|_| Pending::new(Vec::with_capacity(branches.len()))).collect();
+    let mut done = done.each();
+    let mut columns: SmallVec<[Pieces; 1]> = SmallVec::new();
+    for branch in branches.iter().stoppable() {
+        columns.clear();
+        columns.resize_with(node_type.outputs.len(), Pieces::new);
         let mut covered = 0;
         while covered < branch.lanes.count {
-            let Some(Piece { lanes, outputs, lot }) = done.next() else { break };
-            covered += lanes;
-            good += lot.good;
-            bad += lot.bad;
-            untold += lot.untold;
-            panicked |= lot.panicked;
-            reports.extend(lot.reports);
-            columns.iter_mut().zip(outputs).for_each(|(all, one)| all.push(one));
+            let Some(piece) = done.next() else { break };
+            covered += piece.lanes;
+            columns.iter_mut().zip(piece.outputs).for_each(|(all, one)| all.push(one));
         }
-        for ((pieces, port), out) in columns.into_iter().zip(&node_type.outputs).zip(&mut parts) {
-            if let Err(fail) = join(pieces, port, &branch.path, branch.lanes.count, out) {
+        for ((pieces, port), out) in columns.iter_mut().zip(&node_type.outputs).zip(&mut parts) {
+            if let Err(fail) = join(std::mem::take(pieces), port, branch.path, branch.lanes.count, out) {
                 // A fault of the node: nothing that it made can be trusted.
                 reports.push((Severity::Error, fail));
                 return Outcome::failure(reports);
@@ -531,6 +567,6 @@ fn gather(
     if failed {
         return Outcome { panicked, ..Outcome::failure(reports) };
     }
-    let outputs = parts.into_iter().map(Tree::from_branches).collect();
+    let outputs = parts.into_iter().map(|part| Tree::from_branches(part.take())).collect();
     Outcome { outputs, reports, failed, cancelled: false, panicked }
 }

@@ -2,8 +2,13 @@
 
 use crate::diagnostic::Fail;
 use crate::port::{Access, Port};
+use crate::stop;
 use crate::value::{Column, Item, Path, Tree};
+use smallvec::SmallVec;
 use std::any::Any;
+
+/// What the pieces of one branch have set at one output; most branches are one piece.
+pub(super) type Pieces = SmallVec<[Output; 1]>;
 
 /// One output over a run of lanes.
 pub(crate) struct Output {
@@ -25,6 +30,12 @@ enum Kind {
 trait Builder: Send + Sync {
     fn as_any_mut(&mut self) -> &mut dyn Any;
     fn truncate(&mut self, len: usize);
+    /// An empty one for as many lanes.
+    fn fresh(&self, lanes: usize) -> Box<dyn Builder>;
+    /// Puts what another has set in `lanes` lanes behind the first `at` lanes; false if its items are of another type.
+    fn append(&mut self, at: usize, other: Box<dyn Builder>, lanes: usize) -> bool;
+    /// As [`Builder::append`] with items that are a column already.
+    fn append_column(&mut self, at: usize, column: &Column) -> bool;
     fn finish(self: Box<Self>, lanes: usize) -> Column;
 }
 
@@ -42,6 +53,14 @@ impl<T: Item> Typed<T> {
             self.valid.resize(len, false);
         }
     }
+
+    /// Where validity is told from here on, if there are gaps before or in what comes.
+    fn follow(&mut self, valid: Option<&[bool]>) {
+        if let Some(valid) = valid {
+            self.valid.resize(self.items.len(), true);
+            self.valid.extend_from_slice(valid);
+        }
+    }
 }
 
 impl<T: Item> Builder for Typed<T> {
@@ -52,6 +71,34 @@ impl<T: Item> Builder for Typed<T> {
     fn truncate(&mut self, len: usize) {
         self.items.truncate(len);
         self.valid.truncate(len);
+    }
+
+    fn fresh(&self, lanes: usize) -> Box<dyn Builder> {
+        Box::new(Self { items: Vec::with_capacity(lanes), valid: Vec::new() })
+    }
+
+    fn append(&mut self, at: usize, mut other: Box<dyn Builder>, lanes: usize) -> bool {
+        let Some(other) = other.as_any_mut().downcast_mut::<Self>() else { return false };
+        self.pad(at);
+        other.pad(lanes);
+        other.valid.resize(if other.valid.is_empty() { 0 } else { lanes }, true);
+        self.follow((!other.valid.is_empty()).then_some(&other.valid));
+        self.items.append(&mut other.items);
+        if !self.valid.is_empty() {
+            self.valid.resize(self.items.len(), true);
+        }
+        true
+    }
+
+    fn append_column(&mut self, at: usize, column: &Column) -> bool {
+        let Some(items) = column.slice::<T>() else { return false };
+        self.pad(at);
+        self.follow(column.valid());
+        self.items.extend_from_slice(items);
+        if !self.valid.is_empty() {
+            self.valid.resize(self.items.len(), true);
+        }
+        true
     }
 
     fn finish(mut self: Box<Self>, lanes: usize) -> Column {
@@ -148,14 +195,14 @@ pub(crate) fn alone(output: Output, port: &Port, path: &Path) -> Result<Tree, Fa
             None => gaps(port, 1),
         },
         Kind::One(column, _) => column,
-        _ => items(vec![output], port, 1)?,
+        _ => items(SmallVec::from([output]), port, 1)?,
     };
     Ok(Tree::branch(path.clone(), column))
 }
 
 /// Puts the pieces of one branch together and adds its branches to `out`.
-pub(crate) fn join(
-    pieces: Vec<Output>,
+pub(super) fn join(
+    pieces: Pieces,
     port: &Port,
     path: &Path,
     lanes: usize,
@@ -215,22 +262,43 @@ fn gaps(port: &Port, count: usize) -> Column {
     (port.item_type.empty)().pick(&vec![None; count])
 }
 
-fn items(pieces: Vec<Output>, port: &Port, lanes: usize) -> Result<Column, Fail> {
+/// The items of one branch as a column: those of all pieces are put in one list, which is digested once.
+fn items(mut pieces: Pieces, port: &Port, lanes: usize) -> Result<Column, Fail> {
     // An item that nobody set is a gap, a list that nobody set is empty.
     let unset = |n: usize| if port.access == Access::Item { gaps(port, n) } else { (port.item_type.empty)() };
-    let mut columns: Vec<Result<Column, usize>> = pieces
-        .into_iter()
-        .map(|p| match p.kind {
-            Kind::One(column, _) => Ok(column),
-            Kind::Items(builder) => Ok(builder.finish(p.lanes)),
-            _ => Err(p.lanes),
-        })
-        .collect();
-    if columns.len() == 1 {
-        return Ok(columns.pop().map_or_else(|| unset(lanes), |c| c.unwrap_or_else(unset)));
+    if pieces.len() == 1
+        && let Some(piece) = pieces.pop()
+    {
+        return Ok(match piece.kind {
+            Kind::One(column, _) => column,
+            Kind::Items(builder) => builder.finish(piece.lanes),
+            _ => unset(lanes),
+        });
     }
-    let sample = columns.iter().find_map(|c| c.as_ref().ok()).cloned();
-    let Some(sample) = sample else { return Ok(unset(lanes)) };
-    let columns: Vec<Column> = columns.into_iter().map(|c| c.unwrap_or_else(|n| sample.pick(&vec![None; n]))).collect();
-    Column::concat(&columns).ok_or_else(|| mixed(port))
+    let sample = pieces.iter().find_map(|p| if let Kind::Items(builder) = &p.kind { Some(builder) } else { None });
+    let Some(mut all) = sample.map(|builder| builder.fresh(lanes)) else { return singles(pieces, &unset, port, lanes) };
+    let mut at = 0;
+    for piece in pieces {
+        // A piece has as many lanes as are worked on between two looks.
+        stop::check();
+        let same = match piece.kind {
+            Kind::Items(builder) => all.append(at, builder, piece.lanes),
+            Kind::One(column, _) => all.append_column(at, &column),
+            _ => true,
+        };
+        if !same {
+            return Err(mixed(port));
+        }
+        at += piece.lanes;
+    }
+    Ok(all.finish(lanes))
+}
+
+/// As [`items`] where no piece has more than one item.
+fn singles(pieces: Pieces, unset: &dyn Fn(usize) -> Column, port: &Port, lanes: usize) -> Result<Column, Fail> {
+    let columns = || pieces.iter().map(|p| if let Kind::One(column, _) = &p.kind { Ok(column) } else { Err(p.lanes) });
+    let Some(sample) = columns().find_map(Result::ok) else { return Ok(unset(lanes)) };
+    let gaps = |n: usize| sample.pick(&vec![None; n]);
+    Column::concat(&columns().map(|c| c.map_or_else(gaps, Column::clone)).collect::<Vec<_>>())
+        .ok_or_else(|| mixed(port))
 }

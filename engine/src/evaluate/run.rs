@@ -4,8 +4,8 @@
 
 use super::commit::Evaluation;
 use super::gather::{self, Files};
-use super::jobs::Job;
-use super::matching::FileRead;
+use super::jobs::{Job, guarded};
+use super::matching::FilesOfPort;
 use super::meter::{Meter, MeterState};
 use super::report::{Control, Event, Happened, NodeReports, Report};
 use super::session::Session;
@@ -51,7 +51,9 @@ impl Session {
             settled: 0,
         };
         let dirty_before = self.fill_queue();
-        let meter = Meter { tell: control.on_progress, state: Mutex::new(self.expected(control)) };
+        let total = if control.on_progress.is_some() { self.expected() } else { 0.0 };
+        let state = MeterState { total, done: 0.0, shown: 0.0, last: None, counted: None };
+        let meter = Meter { tell: control.on_progress, state: Mutex::new(state) };
         let mut level = Vec::new();
         while self.queue.len() > 0 && !control.cancel.load(Ordering::Relaxed) {
             self.queue.pop_level(&mut level);
@@ -169,10 +171,7 @@ impl Session {
     }
 
     /// The work ahead if everything that a dirty node reaches has to run.
-    fn expected(&self, control: &Control<'_>) -> MeterState {
-        if control.on_progress.is_none() {
-            return MeterState { total: 0.0, done: 0.0, shown: 0.0, last: None };
-        }
+    fn expected(&self) -> f64 {
         let mut reached: Vec<bool> = self.nodes.iter().map(|n| n.needed && n.dirty).collect();
         let mut stack: Vec<usize> = (0..reached.len()).filter(|n| reached[*n]).collect();
         let mut total = 0.0;
@@ -186,7 +185,7 @@ impl Session {
                 }
             }
         }
-        MeterState { total, done: 0.0, shown: 0.0, last: None }
+        total
     }
 
     /// False if a node was cancelled.
@@ -199,7 +198,7 @@ impl Session {
                 }
                 continue;
             }
-            let Some(job) = self.look_at(*n, e) else { continue };
+            let Some(job) = self.look_at(*n, e, cancel) else { continue };
             // Instances of one cluster meet at one level, often with the same inputs: one runs, the others find its result.
             if self.plan.has_instances() && !keys.insert(job.key) {
                 twins.push(*n);
@@ -213,7 +212,7 @@ impl Session {
         if twins.is_empty() {
             return true;
         }
-        let jobs = twins.into_iter().filter_map(|n| self.look_at(n, e)).collect();
+        let jobs = twins.into_iter().filter_map(|n| self.look_at(n, e, cancel)).collect();
         self.run_batch(jobs, e, cancel, meter)
     }
 
@@ -227,6 +226,7 @@ impl Session {
             return true;
         }
         self.settle(e, meter);
+        meter.recount(|| self.expected());
         if jobs.len() == 1
             && let Some(job) = jobs.pop_if(|j| self.is_tiny(j.node as usize))
         {
@@ -258,7 +258,7 @@ impl Session {
     }
 
     /// Decides what to do with a node; a job if it has to run.
-    fn look_at(&mut self, n: u32, e: &mut Evaluation) -> Option<Job> {
+    fn look_at(&mut self, n: u32, e: &mut Evaluation, cancel: &Arc<AtomicBool>) -> Option<Job> {
         let i = n as usize;
         if self.plan.nodes[i].state == NodeState::Disabled {
             self.stop(n, Status::Disabled, n, e);
@@ -289,7 +289,7 @@ impl Session {
             return None;
         }
         if self.plan.nodes[i].state == NodeState::Bypassed {
-            self.pass_on(n, e);
+            self.pass_on(n, e, cancel);
             return None;
         }
         if self.plan.missing(i).next().is_some() {
@@ -301,7 +301,7 @@ impl Session {
         if self.plan.nodes[i].has_files && self.fetch_missing(n) {
             return None;
         }
-        let files = self.read_files(i, e);
+        let files = self.read_files(n, e, cancel)?;
         let key = gather::key(&self.plan, i, &self.values, &files);
         let run = &self.nodes[i];
         let known = matches!(run.status, Status::Good | Status::Failed) && run.key == key.into();
@@ -357,13 +357,17 @@ impl Session {
     }
 
     /// Puts what comes into a bypassed node at its outputs.
-    fn pass_on(&mut self, n: u32, e: &mut Evaluation) {
+    fn pass_on(&mut self, n: u32, e: &mut Evaluation, cancel: &Arc<AtomicBool>) {
         if self.fetch_missing(n) {
             return;
         }
         let i = n as usize;
+        let Some(t) = self.plan.node_type(i) else { return };
         let mut reports = Vec::new();
-        let passed = gather::passed(&self.plan, &self.registry, i, &self.values, &mut reports);
+        let pass = || gather::passed(&self.plan, &self.registry, i, &self.values, &mut reports);
+        let Some(passed) = guarded(t, cancel, pass).map_or_else(|fail| Some(Err(fail)), |passed| passed) else {
+            return;
+        };
         let status = if passed.is_ok() { Status::Good } else { Status::Failed };
         let happened = if passed.is_ok() { Happened::Bypassed } else { Happened::Failed };
         let outputs = passed.unwrap_or_else(|fail| {
@@ -391,14 +395,27 @@ impl Session {
         true
     }
 
-    fn read_files(&self, i: usize, e: &mut Evaluation) -> Vec<(usize, Vec<Vec<FileRead>>)> {
+    /// The files that a node reads; `None` if it was told to stop meanwhile, or failed with them.
+    fn read_files(&mut self, n: u32, e: &mut Evaluation, cancel: &Arc<AtomicBool>) -> Option<Vec<FilesOfPort>> {
+        let i = n as usize;
         if !self.plan.nodes[i].has_files {
-            return Vec::new();
+            return Some(Vec::new());
         }
-        let host = &self.options.host;
-        let files = &mut e.files;
-        gather::files(&self.plan, &self.registry, i, &self.values, &mut |path| {
-            files.entry(path.clone()).or_insert_with(|| host.read(path).map_err(|e| e.to_string())).clone()
-        })
+        let t = self.plan.node_type(i)?;
+        let (host, known) = (&self.options.host, &mut e.files);
+        let mut read = |path: &Arc<str>| {
+            known.entry(path.clone()).or_insert_with(|| host.read(path).map_err(|e| e.to_string())).clone()
+        };
+        match guarded(t, cancel, || gather::files(&self.plan, &self.registry, i, &self.values, &mut read)) {
+            Ok(files) => files,
+            Err(fail) => {
+                let reports: Vec<_> = vec![(Severity::Error, fail)];
+                let told = Told::of(Status::Failed, n, Some(reports.into()));
+                self.publish(n, NodeRun::new(0, Status::Failed), told, &[], e);
+                self.note(n, Happened::Failed, Duration::ZERO, e);
+                self.events.push(Event::Failed(n));
+                None
+            }
+        }
     }
 }

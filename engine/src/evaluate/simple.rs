@@ -6,6 +6,7 @@ use super::output::Output;
 use crate::call::{Call, Monitor};
 use crate::port::Access;
 use crate::registry::NodeType;
+use crate::stop::Stoppable;
 use crate::value::{Column, Path, Tree};
 use smallvec::SmallVec;
 use std::borrow::Cow;
@@ -48,8 +49,14 @@ pub(crate) fn run_simple<'a>(
     for ((input, port), arg) in inputs.zip(&node_type.inputs).zip(&mut args) {
         let (tree, by_wire) = input?;
         let Some(tree) = tree else { continue };
-        let fits = |column: &Column| port.item_type.id.is_none_or(|id| id == column.item_type());
-        if !tree.branches().iter().all(|(_, c)| fits(c) && (!by_wire || !port.is_checked() || port.accepts_all(c))) {
+        if port.access != Access::Tree && tree.branches().len() != 1 {
+            return None;
+        }
+        let takes = |column: &Column| {
+            port.item_type.id.is_none_or(|id| id == column.item_type())
+                && (!by_wire || !port.is_checked() || port.accepts_all(column))
+        };
+        if !tree.branches().iter().stoppable().all(|(_, column)| takes(column)) {
             return None;
         }
         if port.access == Access::Tree {

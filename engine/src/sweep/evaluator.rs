@@ -49,7 +49,7 @@ impl RowEvaluator {
         let options = Options { host: recorder.clone(), ..options };
         document.read_links(&*recorder);
         let links = std::mem::take(&mut *recorder.seen.lock().unwrap_or_else(PoisonError::into_inner));
-        let digest = document_digest(&document);
+        let digest = document_digest(&document, &registry);
         let session = Session::new(registry.clone(), document.clone(), options.clone());
         Self { document, digest, session, options, recorder, links, names: Vec::new(), registry }
     }

@@ -1,6 +1,7 @@
 //! A row of a sweep and the key that names its result.
 
-use crate::document::Document;
+use crate::document::{Cluster, Document, Node};
+use crate::registry::Registry;
 use crate::value::{Digester, Json, digest_bytes};
 use std::collections::BTreeMap;
 
@@ -15,22 +16,42 @@ pub struct Row {
     pub set: BTreeMap<String, Json>,
 }
 
-/// What of a graph goes into the keys of its rows: its text, and the files that its clusters are linked from, as
-/// [`Document::read_links`] has read them last. O(document).
+/// What of a graph goes into the keys of its rows: its text, the files that its clusters are linked from, as
+/// [`Document::read_links`] has read them last, and the builds of the plugins whose nodes it has
+/// ([`crate::NodeType::build`]). O(document).
 #[must_use]
-pub fn document_digest(document: &Document) -> u128 {
+pub fn document_digest(document: &Document, registry: &Registry) -> u128 {
     let text = digest_bytes(document.to_string_canonical().as_bytes());
-    if document.linked.0.is_empty() {
+    let builds = builds(document, registry);
+    if document.linked.0.is_empty() && builds.is_empty() {
         return text;
     }
     let mut d = Digester::new();
     d.u128(text);
+    for (name, build) in builds {
+        d.str(name);
+        d.u128(build);
+    }
     for (path, file) in &document.linked.0 {
         d.str(path);
         // A file that could not be read is none, whatever the reason was.
         d.str(file.as_ref().map_or("", |file| &file.digest));
     }
     d.finish()
+}
+
+/// The builds on which results of the graph's nodes depend, by node type; those inside of its clusters too.
+fn builds<'a>(document: &'a Document, registry: &Registry) -> BTreeMap<&'a str, u128> {
+    let linked = document.linked.0.values().flatten().map(|file| &file.document);
+    let mut all = BTreeMap::new();
+    for document in linked.chain([document]) {
+        let inner =
+            document.clusters.values().filter_map(|c| if let Cluster::Here(body) = c { Some(body) } else { None });
+        let nodes = inner.flat_map(|body| body.nodes().values()).chain(document.nodes().values());
+        let build = |node: &'a Node| Some((&*node.type_name, registry.get(&node.type_name)?.build));
+        all.extend(nodes.filter_map(build).filter(|(_, build)| *build != 0));
+    }
+    all
 }
 
 /// The key of a row; it changes with the engine's version, since results may.
@@ -105,6 +126,28 @@ mod tests {
         for bad in ["7", "{}", &line.replace("\"key\":\"", "\"key\":\"../"), &line.replace("set", "sets"), &line[1..]] {
             assert_eq!(Row::from_line(bad), None, "{bad}");
         }
+    }
+
+    #[test]
+    fn another_build_of_a_plugin_is_another_key_and_only_for_graphs_that_use_it() {
+        let with = |build| {
+            let mut registry = Registry::new();
+            for (name, build) in [("own", 0), ("bought", build)] {
+                registry.register(crate::NodeType::new(name, 1).build(build).run(|_| Ok(()))).unwrap();
+            }
+            registry
+        };
+        let graph = |type_name: &str| {
+            let mut document = Document::new();
+            document.insert("n", Node::new(type_name)).unwrap();
+            document
+        };
+        let (mut clustered, body) = (Document::new(), graph("bought"));
+        clustered.clusters.insert("c".into(), Cluster::Here(Box::new(body)));
+        let digest = |document: &Document, build| document_digest(document, &with(build));
+        assert_ne!(digest(&graph("bought"), 1), digest(&graph("bought"), 2));
+        assert_ne!(digest(&clustered, 1), digest(&clustered, 2));
+        assert_eq!(digest(&graph("own"), 1), digest(&graph("own"), 2));
     }
 
     #[test]

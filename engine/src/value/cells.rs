@@ -6,6 +6,7 @@ use super::digest::{Digester, digest_number};
 use super::item::{Item, Json};
 use crate::stop::{self, STRIDE, Stoppable};
 use std::any::{Any, TypeId};
+use std::ops::Range;
 
 /// Items of one type, and what was found out about them when they came.
 trait Cells: Send + Sync + 'static {
@@ -30,6 +31,7 @@ pub(super) trait ColumnData: Send + Sync {
     fn item_json(&self, i: usize) -> Json;
     fn item_summary(&self, i: usize) -> String;
     fn pick(&self, order: &[Option<usize>]) -> Column;
+    fn range(&self, range: Range<usize>) -> Column;
     fn concat(&self, all: &[Column]) -> Option<Column>;
     fn format(&self) -> u32;
     fn encode(&self, out: &mut Vec<u8>) -> bool;
@@ -181,6 +183,12 @@ impl<C: Cells> ColumnData for C {
         Column::with_gaps(picked.collect())
     }
 
+    fn range(&self, range: Range<usize>) -> Column {
+        let mut items = Vec::with_capacity(range.len());
+        copy(&self.items()[range.clone()], &mut items);
+        Column::build(items, Cells::valid(self).map(|valid| valid[range].to_vec()))
+    }
+
     fn concat(&self, all: &[Column]) -> Option<Column> {
         concat::<C::Item>(all)
     }
@@ -240,21 +248,33 @@ fn decode<T: Item>(len: usize, valid: Option<Vec<bool>>, bytes: &mut &[u8]) -> O
 /// Columns of one type one after another; `None` if one is of another type.
 fn concat<T: Item>(all: &[Column]) -> Option<Column> {
     let total = all.iter().map(Column::len).sum();
-    let (mut items, mut valid, mut gaps) = (Vec::with_capacity(total), Vec::with_capacity(total), false);
+    let (mut items, mut valid) = (Vec::with_capacity(total), Vec::new());
+    let mut looked = 0;
     for column in all.iter().stoppable() {
-        for part in column.slice::<T>()?.chunks(STRIDE) {
-            items.extend_from_slice(part);
-            if part.len() == STRIDE {
-                stop::check();
-            }
+        if let Some(v) = column.valid() {
+            valid.reserve(total - valid.len());
+            valid.resize(items.len(), true);
+            valid.extend_from_slice(v);
         }
-        match column.valid() {
-            Some(v) => {
-                gaps = true;
-                valid.extend_from_slice(v);
-            }
-            None => valid.resize(items.len(), true),
+        copy(column.slice::<T>()?, &mut items);
+        if items.len() - looked > STRIDE {
+            looked = items.len();
+            stop::check();
         }
     }
+    let gaps = !valid.is_empty();
+    if gaps {
+        valid.resize(items.len(), true);
+    }
     Some(Column::build(items, gaps.then_some(valid)))
+}
+
+/// Copies items, and looks in between whether to stop.
+fn copy<T: Clone>(from: &[T], to: &mut Vec<T>) {
+    for part in from.chunks(STRIDE) {
+        to.extend_from_slice(part);
+        if part.len() == STRIDE {
+            stop::check();
+        }
+    }
 }

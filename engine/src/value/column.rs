@@ -189,6 +189,11 @@ impl Column {
         self.data().pick(order)
     }
 
+    /// The items of a range that lies in the column. O(its length).
+    pub(super) fn range(&self, range: std::ops::Range<usize>) -> Self {
+        self.data().range(range)
+    }
+
     /// The gaps, if there are any.
     pub(crate) fn valid(&self) -> Option<&[bool]> {
         self.data().valid()

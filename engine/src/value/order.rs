@@ -12,7 +12,8 @@ impl Column {
         if from == 0 && to >= self.len() {
             return self.clone();
         }
-        self.pick(&(from..to.min(self.len())).stoppable().map(Some).collect::<Vec<_>>())
+        let to = to.min(self.len());
+        self.range(from.min(to)..to)
     }
 
     /// Pieces of the given sizes, which repeat; the last piece is what remains. `None` if there is no size or one is 0.

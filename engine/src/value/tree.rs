@@ -20,8 +20,10 @@ impl Path {
     /// The path `{0}` of a tree with one branch.
     #[must_use]
     pub fn root() -> Self {
-        Self(None)
+        Self::ROOT
     }
+
+    pub(crate) const ROOT: Self = Self(None);
 
     #[inline]
     pub(crate) fn is_root(&self) -> bool {
@@ -162,28 +164,24 @@ impl Tree {
             ticker.tick();
             a.0.cmp(&b.0)
         });
-        let mut branches = branches.take();
         if branches.windows(2).stoppable().any(|w| w[0].0 == w[1].0) {
-            let mut joined: Vec<(Path, Vec<Column>)> = Vec::new();
-            for (path, column) in branches.into_iter().stoppable() {
+            let mut joined: Pending<(Path, Vec<Column>)> = Pending::new(Vec::new());
+            for (path, column) in branches.each().stoppable() {
                 match joined.last_mut() {
                     Some((last, columns)) if *last == path => columns.push(column),
                     _ => joined.push((path, vec![column])),
                 }
             }
-            branches = joined
-                .into_iter()
-                .stoppable()
-                .filter_map(|(path, columns)| {
-                    Column::concat(&columns).or_else(|| columns.into_iter().next()).map(|c| (path, c))
-                })
-                .collect();
+            branches = Pending::new(Vec::with_capacity(joined.len()));
+            for (path, columns) in joined.each().stoppable() {
+                let column = Column::concat(&columns).or_else(|| columns.into_iter().next());
+                branches.extend(column.map(|c| (path, c)));
+            }
         }
         Self::sorted(branches)
     }
 
-    fn sorted(branches: Vec<(Path, Column)>) -> Self {
-        let mut branches = Pending::new(branches);
+    fn sorted(mut branches: Pending<(Path, Column)>) -> Self {
         if branches.len() == 1
             && let Some((path, column)) = branches.pop()
         {
@@ -282,10 +280,10 @@ impl Tree {
         for (path, column) in self.branches().iter() {
             for i in 0..column.len() {
                 ticker.tick();
-                out.push((path.child(i), column.pick(&[Some(i)])));
+                out.push((path.child(i), column.part(i, i + 1)));
             }
         }
-        Self::sorted(out.take())
+        Self::sorted(out)
     }
 
     /// All items in one branch, in path order; unchanged if the branches' types differ.
@@ -306,25 +304,20 @@ impl Tree {
         {
             shared += 1;
         }
-        Self::sorted(
-            self.branches()
-                .iter()
-                .stoppable()
-                .map(|(p, c)| (Path::new(p.steps()[shared..].to_vec()), c.clone()))
-                .collect(),
-        )
+        self.each(|p, c| (Path::new(p.steps()[shared..].to_vec()), c.clone()))
     }
 
     /// The items of each branch in reverse order.
     #[must_use]
     pub fn reverse(&self) -> Self {
-        Self::sorted(
-            self.branches()
-                .iter()
-                .stoppable()
-                .map(|(p, c)| (p.clone(), c.pick(&(0..c.len()).rev().stoppable().map(Some).collect::<Vec<_>>())))
-                .collect(),
-        )
+        self.each(|p, c| (p.clone(), c.pick(&(0..c.len()).rev().stoppable().map(Some).collect::<Vec<_>>())))
+    }
+
+    /// Every branch as `change` makes it; their order stays.
+    fn each(&self, change: impl Fn(&Path, &Column) -> (Path, Column)) -> Self {
+        let mut out = Pending::new(Vec::with_capacity(self.branches().len()));
+        out.extend(self.branches().iter().stoppable().map(|(p, c)| change(p, c)));
+        Self::sorted(out)
     }
 }
 

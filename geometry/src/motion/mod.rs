@@ -17,4 +17,4 @@ pub use body::{Envelope, flat_radius};
 pub use contour::Contour;
 pub use path::{MoveKind, Operation, Purpose, ToolPaths};
 pub use reach::{PathError, PathIssue, PathParams, Place};
-pub use toolpath::{PartPaths, cut_parts, place_paths};
+pub use toolpath::{PartPaths, cut_parts, place_boards, place_paths};

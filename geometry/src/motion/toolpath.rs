@@ -274,19 +274,52 @@ fn make_feature(
     }
 }
 
-/// Puts the paths of all placed parts on their boards, ordered by board, purpose, tool, then the layout's order. A
-/// part whose moves leave the travel of X or Y is left out and named. O(p log p + moves).
+/// Puts the paths of all placed parts on their boards and hands each board's to `work`, ordered by purpose, tool, then the
+/// layout's order, all on that board; gives what `work` made, by board. A part whose moves leave the travel of X or Y is left
+/// out and named, a board without operations has no work. Boards run in parallel, each in memory that the next one takes
+/// over: no moves of all boards ever stand beside those of the parts. O(p log p + moves).
 /// Stops early when `go` says no, and what there is then is of no use.
-#[must_use]
-pub fn place_paths(
+pub fn place_boards<R: Send>(
     paths: &PartPaths,
     layout: &Layout,
     machine: &Machine,
     go: &(dyn Fn() -> bool + Sync),
-) -> (ToolPaths, Vec<PathIssue>) {
-    let mut issues = Vec::new();
-    let mut order = Vec::new();
-    for (rank, place) in layout.placements.iter().enumerate().take_while(|_| go()) {
+    work: &(dyn Fn(&ToolPaths) -> R + Sync),
+) -> (Vec<R>, Vec<PathIssue>) {
+    let mut ranks: Vec<u32> = (0..layout.placements.len() as u32).collect();
+    ranks.sort_by_key(|rank| layout.placements[*rank as usize].board);
+    let same = |a: &u32, b: &u32| layout.placements[*a as usize].board == layout.placements[*b as usize].board;
+    let boards: Vec<&[u32]> = ranks.chunk_by(same).collect();
+    let done: Vec<(Option<R>, Vec<(u32, PathIssue)>)> = boards
+        .into_par_iter()
+        .map_init(ToolPaths::default, |placed, ranks| {
+            let issues = place_board(paths, layout, machine, ranks, placed, go);
+            ((!placed.operations.is_empty() && go()).then(|| work(placed)), issues)
+        })
+        .collect();
+    let (made, issues): (Vec<_>, Vec<_>) = done.into_iter().unzip();
+    let mut issues: Vec<(u32, PathIssue)> = issues.into_iter().flatten().collect();
+    issues.sort_by_key(|(rank, _)| *rank);
+    (made.into_iter().flatten().collect(), issues.into_iter().map(|(_, issue)| issue).collect())
+}
+
+/// Places the parts of one board, the placements `ranks`, in `out`, which it empties first; gives what is out of reach.
+fn place_board(
+    paths: &PartPaths,
+    layout: &Layout,
+    machine: &Machine,
+    ranks: &[u32],
+    out: &mut ToolPaths,
+    go: &(dyn Fn() -> bool + Sync),
+) -> Vec<(u32, PathIssue)> {
+    out.operations.clear();
+    out.kind.clear();
+    out.tip.clear();
+    out.axis.clear();
+    out.feed.clear();
+    let (mut issues, mut order) = (Vec::new(), Vec::new());
+    for &rank in ranks.iter().take_while(|_| go()) {
+        let place = &layout.placements[rank as usize];
         let ops = paths.of_part(place.part as usize);
         let moves = ops.first().map_or(0, |o| o.moves.start as usize)..ops.last().map_or(0, |o| o.moves.end as usize);
         let out_of_reach = paths.paths.tip[moves].iter().find_map(|p| {
@@ -295,24 +328,36 @@ pub fn place_paths(
         });
         if let Some((at, axis)) = out_of_reach {
             let error = PathError::Travel { letter: axis.letter, at, min: axis.min, max: axis.max };
-            issues.push(PathIssue { part: place.part, place: Place::Board(place.board), error });
+            issues.push((rank, PathIssue { part: place.part, place: Place::Board(place.board), error }));
             continue;
         }
-        order.extend(ops.iter().map(|op| (place.board, op.purpose, op.tool, rank, op)));
+        order.extend(ops.iter().map(|op| (op.purpose, op.tool, rank, op)));
     }
-    order.sort_by_key(|(board, purpose, tool, rank, _)| (*board, *purpose, *tool, *rank));
-    let total = order.iter().map(|(.., op)| op.moves.len()).sum();
-    let mut out = ToolPaths { operations: Vec::with_capacity(order.len()), ..ToolPaths::default() };
-    reserve(&mut out, total);
-    for (board, _, _, rank, op) in order.into_iter().take_while(|_| go()) {
-        let place = &layout.placements[rank];
+    order.sort_by_key(|(purpose, tool, rank, _)| (*purpose, *tool, *rank));
+    for (.., rank, op) in order.into_iter().take_while(|_| go()) {
+        let place = &layout.placements[rank as usize];
         let from = out.tip.len() as u32;
         let moves = op.moves.start as usize..op.moves.end as usize;
         out.kind.extend_from_slice(&paths.paths.kind[moves.clone()]);
         out.feed.extend_from_slice(&paths.paths.feed[moves.clone()]);
         out.tip.extend(paths.paths.tip[moves.clone()].iter().map(|p| place.point(*p)));
         out.axis.extend(paths.paths.axis[moves].iter().map(|v| place.vector(*v)));
-        out.operations.push(Operation { board, moves: from..out.tip.len() as u32, ..op.clone() });
+        out.operations.push(Operation { board: place.board, moves: from..out.tip.len() as u32, ..op.clone() });
     }
-    (out, issues)
+    issues
+}
+
+/// All boards of [`place_boards`] one after the other.
+#[must_use]
+pub fn place_paths(
+    paths: &PartPaths,
+    layout: &Layout,
+    machine: &Machine,
+    go: &(dyn Fn() -> bool + Sync),
+) -> (ToolPaths, Vec<PathIssue>) {
+    let (boards, issues) = place_boards(paths, layout, machine, go, &ToolPaths::clone);
+    let mut all = ToolPaths::default();
+    reserve(&mut all, boards.iter().map(|b| b.tip.len()).sum());
+    boards.into_iter().for_each(|board| append(&mut all, board));
+    (all, issues)
 }

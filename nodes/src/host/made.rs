@@ -83,6 +83,10 @@ pub fn stage(
 /// make, or may not give their final names, belong to another design and must not pass for this one's: they are set
 /// aside under another name. A file that has its final name needs no unproven one beside it.
 ///
+/// Earlier files that this run makes anew are set aside first, too, and removed at the end: whenever the program is
+/// killed, all files under final names are of one run. Half of a new set of boards among the other half of the old one
+/// looks like a set.
+///
 /// Returns what was set aside, by its old name.
 ///
 /// # Errors
@@ -97,11 +101,17 @@ pub fn commit(mut staged: Staged, made: &[Made], out: Option<&Path>) -> Result<V
         staged.add(&dir.join(MANIFEST), format!("{}\n", names.join("\n")).as_bytes())?;
     }
     others.retain(|path| path.is_file() && !final_names.contains(path.as_path()));
-    for path in &others {
-        let io = |error| WriteError::Io { path: path.clone(), error };
+    // A file alone is no set: it is replaced in one step.
+    let replaced: Vec<&Path> =
+        if final_names.len() > 1 { final_names.iter().copied().filter(|p| p.is_file()).collect() } else { Vec::new() };
+    for path in others.iter().map(PathBuf::as_path).chain(replaced.iter().copied()) {
+        let io = |error| WriteError::Io { path: path.to_owned(), error };
         std::fs::rename(path, with_ending(path, STALE)).map_err(io)?;
     }
     staged.commit()?;
+    for path in replaced {
+        let _ = std::fs::remove_file(with_ending(path, STALE));
+    }
     for target in final_names {
         // Usually there is none.
         let _ = std::fs::remove_file(with_ending(target, WITHHELD));

@@ -6,6 +6,7 @@
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, SystemTime};
 
 /// Why a file could not be written.
@@ -62,17 +63,36 @@ fn io_at(path: &Path) -> impl FnOnce(io::Error) -> WriteError + '_ {
     |error| WriteError::Io { path: path.to_owned(), error }
 }
 
+/// A new file under a temporary name that nobody else has: not another thread, and not another process, even one of the same
+/// number on another machine that shares the folder. `what` tells what it is for.
+fn temporary(folder: &Path, what: &str) -> io::Result<(PathBuf, File)> {
+    static SERIAL: AtomicU64 = AtomicU64::new(0);
+    loop {
+        let serial = SERIAL.fetch_add(1, Ordering::Relaxed);
+        let path = folder.join(format!(".tenon-{}-{serial}{what}.tmp", std::process::id()));
+        match File::create_new(&path) {
+            Ok(file) => return Ok((path, file)),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error),
+        }
+    }
+}
+
+/// The folder of a file.
+fn folder_of(target: &Path) -> &Path {
+    target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
 /// Writes a file under another name and gives it its name, without waiting for the disk; makes its folder. Whatever
 /// happens to this program, there is a whole file; if the machine loses power, perhaps an old one.
 ///
 /// # Errors
 /// Those of the system; then the file is as it was.
 pub fn write_quickly(target: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    if let Some(folder) = target.parent() {
-        fs::create_dir_all(folder).map_err(io_at(target))?;
-    }
-    let temporary = target.with_file_name(format!(".tenon-{}-quick.tmp", std::process::id()));
-    let written = fs::write(&temporary, bytes).and_then(|()| fs::rename(&temporary, target));
+    let folder = folder_of(target);
+    fs::create_dir_all(folder).map_err(io_at(target))?;
+    let (temporary, mut file) = temporary(folder, "-quick").map_err(io_at(target))?;
+    let written = file.write_all(bytes).and_then(|()| fs::rename(&temporary, target));
     if written.is_err() {
         let _ = fs::remove_file(&temporary);
     }
@@ -94,18 +114,10 @@ impl Staged {
         if target.is_dir() {
             return Err(io_at(target)(io::ErrorKind::IsADirectory.into()));
         }
-        let folder = match target.parent() {
-            Some(p) if !p.as_os_str().is_empty() => p,
-            _ => Path::new("."),
-        };
+        let folder = folder_of(target);
         fs::create_dir_all(folder).map_err(io_at(target))?;
-        let temporary = folder.join(format!(".tenon-{}-{}.tmp", std::process::id(), self.files.len()));
-        let write = || {
-            let mut file = File::create(&temporary)?;
-            file.write_all(bytes)?;
-            file.sync_all()
-        };
-        if let Err(error) = write() {
+        let (temporary, mut file) = temporary(folder, "").map_err(io_at(target))?;
+        if let Err(error) = file.write_all(bytes).and_then(|()| file.sync_all()) {
             let _ = fs::remove_file(&temporary);
             return Err(io_at(target)(error));
         }
@@ -174,8 +186,7 @@ fn clear(dir: &Path) {
 pub fn prepare_folder(dir: &Path) -> Result<(), WriteError> {
     fs::create_dir_all(dir).map_err(io_at(dir))?;
     clear(dir);
-    let probe = dir.join(format!(".tenon-{}-probe.tmp", std::process::id()));
-    File::create(&probe).map_err(io_at(dir))?;
+    let (probe, _) = temporary(dir, "-probe").map_err(io_at(dir))?;
     fs::remove_file(&probe).map_err(io_at(dir))
 }
 

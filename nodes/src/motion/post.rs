@@ -1,12 +1,12 @@
 //! `post`: tool paths on their boards, in the machine's words.
 
 use super::issue_fail;
-use crate::post::{MachineFile, PostError, PostParams, post};
+use crate::post::{MachineFile, PostError, PostParams, post_parts};
 use crate::value::{Program, Standing, V};
 use std::sync::Arc;
 use tenon_engine::{Fail, NodeType, Port, Text};
 use tenon_geometry::board::{Layout, PartSet};
-use tenon_geometry::motion::{PartPaths, place_paths};
+use tenon_geometry::motion::PartPaths;
 
 pub(super) fn node() -> NodeType {
     NodeType::new("post", 1)
@@ -32,14 +32,14 @@ pub(super) fn node() -> NodeType {
             let monitor = c.monitor();
             let go = || !monitor.cancelled();
             let (paths, layout) = (c.item::<V<PartPaths>>("paths")?, c.item::<V<Layout>>("layout")?);
-            let (moves, issues) = place_paths(paths, layout, &machine.machine, &go);
+            let (posted, issues) = post_parts((paths, layout), &machine.machine, &machine.words, &params, &go);
             if c.cancelled() {
                 return Err(Fail::cancelled());
             }
             for issue in &issues {
                 c.report(issue_fail(parts, issue));
             }
-            let posted = post(&moves, &machine.machine, &machine.words, &params, &go).map_err(|e| post_fail(&e))?;
+            let posted = posted.map_err(|e| post_fail(&e))?;
             let programs =
                 posted.into_iter().map(|p| Program { posted: Arc::new(p), standing: Standing::Unproven }).collect();
             c.set_list("programs", programs);

@@ -12,6 +12,7 @@ pub(super) fn node() -> NodeType {
              unit is given in mm, mm2, mm3 or degrees.",
         )
         .keywords(&["formula", "evaluate", "maths", "calculate"])
+        .cheap()
         .input(Port::item::<Text>("formula").doc("Such as `sqrt(x^2 + y^2)`."))
         .input(Port::item::<f64>("x").optional().doc("The number that x stands for."))
         .input(Port::item::<f64>("y").optional().doc("The number that y stands for."))

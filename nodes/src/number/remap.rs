@@ -8,6 +8,7 @@ pub(super) fn node() -> NodeType {
         .category("Numbers")
         .doc("Maps a number from one interval to another: the ends of the one to the ends of the other, in proportion between.")
         .keywords(&["scale", "interval", "domain", "map"])
+        .cheap()
         .input(Port::item::<f64>("value").doc("The number."))
         .input(Port::item::<f64>("from_start").default(0.0).doc("Start of the interval that it comes from."))
         .input(Port::item::<f64>("from_end").default(1.0).doc("End of the interval that it comes from."))

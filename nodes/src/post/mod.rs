@@ -14,4 +14,4 @@ pub use error::PostError;
 pub use machine_file::{MachineFile, MachineFileError, machine_preset, machine_presets, read_machine};
 pub use parse::{ProgramError, parse_program};
 pub use words::Words;
-pub use write::{PostParams, PostedProgram, post};
+pub use write::{PostParams, PostedProgram, post, post_parts};

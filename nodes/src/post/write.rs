@@ -7,9 +7,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use tenon_geometry::DVec3;
+use tenon_geometry::board::Layout;
 use tenon_geometry::machine::{KinematicsError, Machine, Pose, Tool};
 use tenon_geometry::mesh::Address;
-use tenon_geometry::motion::{MoveKind, Operation, Purpose, ToolPaths};
+use tenon_geometry::motion::{MoveKind, Operation, PartPaths, PathIssue, Purpose, ToolPaths, place_boards};
 
 /// How far the tool axis may leave the even turn from one pose to the next while both rotary axes run linearly, radians.
 const TURN_DEVIATION: f64 = 1e-4;
@@ -90,7 +91,29 @@ pub fn post(
             _ => boards.push(k..k + 1),
         }
     }
-    boards.into_par_iter().map(|range| Writer::new(paths, machine, words, params, range).program(go)).collect()
+    let programs: Vec<_> =
+        boards.into_par_iter().map(|range| Writer::new(paths, machine, words, params, range).program(go)).collect();
+    // One after another, so that of several errors the first is told, whatever thread met it.
+    programs.into_iter().collect()
+}
+
+/// Puts the paths of parts on their boards and writes one program per board, as [`post`] of [`place_boards`] does; with
+/// the parts that are out of reach. A board's moves are written while they are at hand: those of all boards are never in
+/// memory at once. O(p log p + moves); boards in parallel.
+///
+/// # Errors
+/// As [`post`], of the first board that has one.
+pub fn post_parts(
+    (paths, layout): (&PartPaths, &Layout),
+    machine: &Machine,
+    words: &Words,
+    params: &PostParams,
+    go: &(dyn Fn() -> bool + Sync),
+) -> (Result<Vec<PostedProgram>, PostError>, Vec<PathIssue>) {
+    let write =
+        |placed: &ToolPaths| Writer::new(placed, machine, words, params, 0..placed.operations.len()).program(go);
+    let (programs, issues) = place_boards(paths, layout, machine, go, &write);
+    (programs.into_iter().collect(), issues)
 }
 
 /// Writes the program of one board.

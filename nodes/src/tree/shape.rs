@@ -124,8 +124,8 @@ fn partition() -> NodeType {
                     Fail::new("no-size", format!("branch {path} has no size to cut it by, or not all are known"))
                         .port("sizes")
                 })?;
-                let pieces = Pending::new(pieces);
-                out.extend(pieces.iter().enumerate().stoppable().map(|(i, piece)| (path.child(i), piece.clone())));
+                let pieces = Pending::new(pieces).each();
+                out.extend(pieces.enumerate().stoppable().map(|(i, piece)| (path.child(i), piece)));
             }
             c.set_tree("tree", Tree::from_branches(out.take()));
             Ok(())
