@@ -357,6 +357,9 @@ pub struct SchemaArgs {
     /// Print the schema of reports instead: what --report and run --json write
     #[arg(long, conflicts_with = "nodes")]
     pub report: bool,
+    /// Print the schema of NAME.expect.json instead: what `tenon test` compares with
+    #[arg(long, conflicts_with_all = ["nodes", "report"])]
+    pub expect: bool,
 }
 
 /// Options of `tenon test`.

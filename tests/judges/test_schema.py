@@ -1,4 +1,4 @@
-"""The graph files' schema is a schema, and every shipped graph is what it says: judged by jsonschema."""
+"""The schemas are schemas, and every file under graphs/ is what they say: judged by jsonschema."""
 
 import copy
 import json
@@ -86,3 +86,47 @@ def test_what_the_installed_nodes_do_not_know(schema, tenon, tmp_path, path, val
     file = tmp_path / "wrong.tenon.json"
     file.write_text(json.dumps(graph))
     assert subprocess.run([tenon, "check", file], capture_output=True).returncode == 1
+
+
+EXPECTATIONS = sorted(ROOT.glob("graphs/**/*.expect.json"))
+
+
+@pytest.fixture(scope="module")
+def expectations(tenon):
+    printed = subprocess.run([tenon, "schema", "--expect"], capture_output=True, text=True, check=True).stdout
+    assert printed == (ROOT / "docs/expect.schema.json").read_text()
+    Draft202012Validator.check_schema(json.loads(printed))
+    return Draft202012Validator(json.loads(printed))
+
+
+@pytest.mark.parametrize("file", EXPECTATIONS, ids=lambda f: f.stem)
+def test_every_expectation_is_what_its_schema_says(expectations, file):
+    assert errors(expectations, json.loads(file.read_text())) == []
+
+
+def test_nothing_else_under_graphs_is_json_of_ours():
+    others = {f for f in ROOT.glob("graphs/**/*.json")} - set(FILES) - set(EXPECTATIONS)
+    assert others == set()
+
+
+@pytest.mark.parametrize(
+    "path, value",
+    [
+        (["format"], "tenon"),
+        (["version"], 2),
+        (["tolerance", "abs"], -1),
+        (["diagnostics", "gap"], "two"),
+        (["outputs", "boards"], 3),
+        (["outputs", "boards", "tolerance", "rel"], "small"),
+        (["set"], [1]),
+    ],
+    ids=lambda v: ".".join(v) if isinstance(v, list) else None,
+)
+def test_expectations_that_the_program_refuses_the_schema_refuses(expectations, tenon, tmp_path, path, value):
+    folder = ROOT / "graphs/shell-256"
+    wrong = change(json.loads((folder / "shell-256.expect.json").read_text()), path, value)
+    assert errors(expectations, wrong) != []
+    (tmp_path / "g.tenon.json").write_text((folder / "shell-256.tenon.json").read_text())
+    (tmp_path / "g.expect.json").write_text(json.dumps(wrong))
+    refused = subprocess.run([tenon, "test", tmp_path / "g.tenon.json"], capture_output=True, text=True)
+    assert refused.returncode != 0 and "bad-expectations" in refused.stderr + refused.stdout
