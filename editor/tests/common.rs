@@ -27,12 +27,17 @@ pub fn graph(name: &str, text: &str) -> PathBuf {
     path
 }
 
-/// A copy of an example graph with its inputs, so that nothing is left behind beside the example itself.
+/// A copy of an example graph with its inputs, so that nothing is left behind beside the example itself; and nothing that a
+/// window has left there, such as unsaved work, comes along.
 pub fn example(name: &str) -> PathBuf {
     fn copy(from: &Path, to: &Path) {
         std::fs::create_dir_all(to).unwrap();
         for entry in std::fs::read_dir(from).unwrap().map(|e| e.unwrap().path()) {
-            let to = to.join(entry.file_name().unwrap());
+            let name = entry.file_name().unwrap();
+            if name.to_string_lossy().starts_with('.') {
+                continue;
+            }
+            let to = to.join(name);
             match entry.is_dir() {
                 true => copy(&entry, &to),
                 false => drop(std::fs::copy(&entry, &to).unwrap()),

@@ -27,6 +27,25 @@ fn a_graph_is_saved_as_it_was_and_its_layout_beside_it() {
 }
 
 #[test]
+fn a_graph_opened_right_after_another_is_no_unsaved_work() {
+    let mut w = Window::open(Some(&graph("before", SMALL)));
+    // Its nodes have no places yet, and what is known of the graph before it must not count for it.
+    let next = graph("after", SMALL);
+    let four = Operation::SetParam { node: "a".into(), port: "value".into(), value: Some(4.into()) };
+    assert!(w.app().model.edit(four) && w.app().model.undo() && !w.app().model.unsaved());
+    w.app().open(&next);
+    assert!(!w.app().model.seems_unsaved());
+    for _ in 0..5 {
+        w.steps(1);
+        let kept = w.app().model.kept_path().unwrap();
+        assert!(!kept.exists(), "nothing is kept of a graph that nobody has changed");
+        assert!(!w.app().model.seems_unsaved());
+    }
+    let again = Window::open(Some(&next));
+    assert_eq!(again.harness.state().model.left_behind(), None);
+}
+
+#[test]
 fn a_file_that_is_no_graph_leaves_everything_as_it_was() {
     let mut w = Window::open(None);
     let bad = graph("bad", "{ \"format\": \"tenon\", ");

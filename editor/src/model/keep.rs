@@ -115,6 +115,8 @@ impl Model {
             return self.wants_keeping(unsaved).then_some(EVERY);
         }
         self.keeper.last = Some(Instant::now());
+        // What is written or told must be true: that a graph was opened or placed a moment ago makes no work of it.
+        let unsaved = self.unsaved();
         self.look_at_file(unsaved);
         if unsaved && self.keeper.written != Some(self.revision()) && self.left_behind().is_none() {
             self.write_kept();

@@ -147,6 +147,8 @@ impl Model {
         self.previews.clear();
         self.results = Results::default();
         self.revision += 1;
+        // Nothing is known yet of the graph that was opened, whatever was found of the one before it.
+        self.compared_at = None;
         // What is shown goes first: asked for afterwards it would stop what has just begun.
         self.shown = Vec::new();
         self.show();
@@ -218,6 +220,10 @@ impl Model {
         }
         if self.saved.1 == before {
             self.saved.1 = self.document.layout_to_string();
+        }
+        // It differs from its file as much as before.
+        if self.compared.0 == self.revision {
+            self.compared.0 += 1;
         }
         self.revision += 1;
     }
