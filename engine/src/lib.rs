@@ -21,7 +21,7 @@ pub use call::{Call, MOST_ITEMS, Monitor};
 pub use diagnostic::{CODES, Code, Diagnostic, Fail, Severity, nearest};
 pub use document::{
     Cluster, DEFAULT_SIZE_LIMIT, DEPTH_LIMIT, Document, Fields, History, InterfaceInput, InterfaceOutput, Link,
-    Literal, Name, Node, NodeMore, NodeState, Nothing, Operation, OuterWires, Paste, Seldom, Table, TreeOp, Wires,
+    Literal, Look, Name, Node, NodeMore, NodeState, Nothing, Operation, OuterWires, Paste, Seldom, Table, TreeOp, Wires,
     WiresMore,
 };
 pub use evaluate::given::Given;

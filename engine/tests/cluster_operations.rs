@@ -274,3 +274,138 @@ fn a_node_renamed_in_a_cluster_shows_as_renamed() {
         assert_eq!(again.to_string_canonical(), after.to_string_canonical());
     }
 }
+
+/// A graph of one cluster `outer`, whose two nodes work one behind the other, and one instance of it.
+fn nested() -> Document {
+    let file = json!({
+        "format": "tenon",
+        "clusters": {"outer": {
+            "interface": {"inputs": {"x": {"port": "first.a"}}, "outputs": {"sum": {"port": "second.sum"}}},
+            "nodes": {
+                "first": {"type": "add", "params": {"a": 1, "b": 2}},
+                "second": {"type": "add", "params": {"b": 10}, "inputs": {"a": {"from": ["first.sum"]}}},
+            },
+        }},
+        "interface": {"outputs": {"end": {"port": "one.sum"}}},
+        "nodes": {"one": {"type": "cluster:outer", "params": {"x": 5}}},
+    });
+    Document::from_slice(file.to_string().as_bytes()).unwrap_or_else(|e| panic!("{e:?}"))
+}
+
+fn end(document: &Document) -> u128 {
+    let mut s = Session::new(registry(), document.clone(), Options::default());
+    let report = s.evaluate(&[], &Control::default());
+    assert!(report.diagnostics.is_empty(), "{:?}", report.diagnostics);
+    s.value("end").unwrap().digest()
+}
+
+#[test]
+fn a_cluster_is_made_inside_a_cluster_and_taken_apart_there() {
+    let mut document = nested();
+    let (before, value) = (document.to_string_canonical(), end(&document));
+    let inside = document.alone("outer").unwrap();
+    let make = inside.gather(&["first"], "inner", "part").unwrap().inside("outer");
+    let back = make.apply(&mut document).unwrap();
+    let text = document.to_string_canonical();
+    assert!(text.contains("\"type\": \"cluster:inner\"") && document.clusters.contains_key("inner"), "{text}");
+    assert_eq!(end(&document), value, "results stay");
+
+    // An instance that is copied from inside brings what it needs into another file.
+    let fragment = document.alone("outer").unwrap().copy(&["part"]).unwrap();
+    let mut other = Document::new();
+    other.paste(&fragment, OuterWires::Drop, [0.0; 2]).operation.apply(&mut other).unwrap();
+    assert!(other.clusters.contains_key("inner") && other.nodes().contains_key("part"));
+    // Brought into a definition, it stands there, and its definition at the top of the file.
+    let mut third = nested();
+    let paste = third.alone("outer").unwrap().paste(&fragment, OuterWires::Drop, [0.0; 2]);
+    let undo = paste.operation.inside("outer").apply(&mut third).unwrap();
+    assert!(third.clusters.contains_key("inner"));
+    assert_eq!(end(&third), value);
+    undo.apply(&mut third).unwrap();
+    assert_eq!(third.to_string_canonical(), before);
+
+    let apart = document.alone("outer").unwrap().explode("part", &registry()).unwrap().operation.inside("outer");
+    apart.apply(&mut document).unwrap();
+    assert_eq!(end(&document), value);
+    let Some(Cluster::Here(body)) = document.clusters.get("outer") else { panic!("{:?}", document.clusters) };
+    assert!(body.nodes().contains_key("first") && !body.nodes().contains_key("part"));
+
+    let mut undone = nested();
+    let make = undone.alone("outer").unwrap().gather(&["first"], "inner", "part").unwrap().inside("outer");
+    make.apply(&mut undone).unwrap();
+    back.apply(&mut undone).unwrap();
+    assert_eq!(undone.to_string_canonical(), before, "byte for byte");
+}
+
+#[test]
+fn ports_of_an_interface_stand_in_the_order_that_the_file_says() {
+    let mut document = nested();
+    let names = |d: &Document| -> Vec<String> {
+        let t = d.cluster_type("outer", &registry()).unwrap();
+        t.inputs().iter().map(|p| p.name().to_owned()).collect()
+    };
+    let set = |name: &str, port: &str, order: Option<i64>| {
+        let mut input = InterfaceInput::default();
+        (input.ports, input.order) = (vec![port.to_owned()], order);
+        Operation::SetInput { name: name.into(), input: Some(input) }.inside("outer")
+    };
+    set("a", "first.b", None).apply(&mut document).unwrap();
+    assert_eq!(names(&document), ["a", "x"], "by name");
+    set("x", "first.a", Some(0)).apply(&mut document).unwrap();
+    assert_eq!(names(&document), ["x", "a"], "those with a place go first");
+    let text = document.to_string_canonical();
+    assert!(text.contains("\"order\": 0"), "{text}");
+    let read = Document::from_slice(text.as_bytes()).unwrap();
+    assert_eq!((names(&read), read.to_string_canonical()), (names(&document), text.clone()));
+    let wrong = text.replace("\"order\": 0", "\"order\": \"first\"");
+    assert!(Document::from_slice(wrong.as_bytes()).is_err());
+}
+
+#[test]
+fn a_renamed_input_is_followed_by_formulas_and_instances() {
+    let file = json!({
+        "format": "tenon",
+        "clusters": {"c": {
+            "interface": {
+                "inputs": {"x": {"port": "p.a"}, "y": {"port": "p.b"}},
+                "outputs": {"out": {"port": "q.sum"}},
+            },
+            "nodes": {
+                "p": {"type": "add", "params": {"a": 1, "b": 2}},
+                "q": {"type": "add", "params": {"b": "x * 3"}, "inputs": {"a": {"from": ["p.sum"]}}},
+            },
+        }},
+        "interface": {
+            "inputs": {"size": {"port": "one.x"}},
+            "outputs": {"end": {"port": "last.sum"}, "same": {"port": "one.out"}},
+        },
+        "nodes": {
+            "one": {"type": "cluster:c", "params": {"x": 4}},
+            "two": {"type": "cluster:c", "params": {"x": 6}, "inputs": {"y": {"from": ["one.out"]}}},
+            "last": {"type": "add", "params": {"b": "size + 1"}, "inputs": {"a": {"from": ["two.out"]}}},
+        },
+    });
+    let mut document = Document::from_slice(file.to_string().as_bytes()).unwrap();
+    let (value, text) = (end(&document), document.to_string_canonical());
+    let mut undo = Vec::new();
+    let next = document.rename_input(Some("c"), "x", "width of it", &registry()).unwrap();
+    undo.push(next.apply(&mut document).unwrap());
+    let next = document.rename_input(Some("c"), "y", "depth", &registry()).unwrap();
+    undo.push(next.apply(&mut document).unwrap());
+    let next = document.rename_output(Some("c"), "out", "total").unwrap();
+    undo.push(next.apply(&mut document).unwrap());
+    let next = document.rename_input(None, "size", "breadth", &registry()).unwrap();
+    undo.push(next.apply(&mut document).unwrap());
+    assert_eq!(end(&document), value);
+    let now = document.to_string_canonical();
+    for part in ["'width of it' * 3", "breadth + 1", "two.total", "one.total", "one.width of it", "\"depth\": { \"from\""] {
+        assert!(now.contains(part), "{part} is missing in {now}");
+    }
+    for step in undo.iter().rev() {
+        step.apply(&mut document).unwrap();
+    }
+    assert_eq!(document.to_string_canonical(), text);
+    assert!(document.rename_input(None, "size", "", &registry()).is_err());
+    assert!(document.rename_input(None, "nobody", "n", &registry()).is_err());
+    assert!(document.rename_output(None, "end", "same").is_err());
+}

@@ -471,3 +471,40 @@ fn many_edits_are_one_evaluation_and_a_slider_compiles_nothing() {
     evaluate(&mut s, &[]);
     assert_eq!(items(&s, "sum.sum"), json!([3.0]));
 }
+
+#[test]
+fn looks_follow_their_node_and_come_back_with_it() {
+    let text = r#"{"format": "tenon", "nodes": {"a": {"type": "number"}, "b": {"type": "number"}},
+        "clusters": {"c": {"nodes": {"i": {"type": "number"}}}}}"#;
+    let mut document = read(text);
+    let plain = document.layout_to_string();
+    let hidden = Look { shown: Some(false), open: true };
+    let set = |node: &str, look| Operation::SetLook { node: node.into(), look };
+    let inside = set("i", Look { shown: Some(true), open: false }).inside("c");
+    apply(&mut document, inside).expect("it is there");
+    let back = apply(&mut document, set("a", hidden)).expect("it is there");
+    let layout = document.layout_to_string();
+    let mut again = read(text);
+    again.read_layout(layout.as_bytes()).expect("it is a layout");
+    assert_eq!((again.look("a"), again.layout_to_string()), (hidden, layout.clone()));
+    assert!(layout.contains("looks_inside"), "{layout}");
+
+    apply(&mut document, Operation::Rename { from: "a".into(), to: "z".into() }).expect("free");
+    assert_eq!((document.look("z"), document.look("a")), (hidden, Look::default()));
+    let undo = apply(&mut document, Operation::RemoveNode { id: "z".into() }).expect("there");
+    assert_eq!(document.look("z"), Look::default());
+    apply(&mut document, undo).expect("back");
+    assert_eq!(document.look("z"), hidden);
+    let copy = document.copy(&["z"]).expect("there");
+    assert_eq!(copy.look("z"), hidden);
+
+    let mut changed = read(text);
+    apply(&mut changed, set("a", hidden)).expect("it is there");
+    for step in read(text).diff(&changed) {
+        apply(&mut again, step).expect("it is a difference");
+    }
+    assert_eq!(again.look("a"), hidden);
+    apply(&mut changed, back).expect("back");
+    assert_eq!(changed.layout_to_string(), plain, "the default is not written");
+    assert!(apply(&mut document, set("nobody", hidden)).is_err());
+}

@@ -3,7 +3,7 @@
 use super::bytes::Bytes;
 use super::registry;
 use tenon_engine::{
-    Document, History, InterfaceInput, InterfaceOutput, Json, Matching, Node, NodeState, Operation, OuterWires, Table,
+    Document, History, InterfaceInput, InterfaceOutput, Json, Look, Matching, Node, NodeState, Operation, OuterWires, Table,
     TreeOp, Wires,
 };
 
@@ -87,7 +87,7 @@ fn operation(b: &mut Bytes<'_>, document: &Document, depth: usize) -> Operation 
     use Operation as O;
     let tables = [Table::Requires, Table::Groups, Table::Interface, Table::Top];
     let maybe = b.below(4) > 0;
-    match b.below(19) {
+    match b.below(20) {
         0 => O::AddNode { id: name(b, &IDS), node: node(b, document) },
         1 => O::RemoveNode { id: name(b, &IDS) },
         2 => O::PutNode { id: name(b, &IDS), node: maybe.then(|| node(b, document)) },
@@ -122,6 +122,10 @@ fn operation(b: &mut Bytes<'_>, document: &Document, depth: usize) -> Operation 
         17 => {
             let ends = [0.0, -0.0, f64::NAN, 1e308, -3.5];
             O::Move { node: name(b, &IDS), to: maybe.then(|| [*b.of(&ends), *b.of(&ends)]) }
+        }
+        18 => {
+            let look = Look { shown: *b.of(&[None, Some(true), Some(false)]), open: maybe };
+            O::SetLook { node: name(b, &IDS), look }
         }
         _ if depth > 3 => O::All(Vec::new()),
         _ => O::All((0..b.below(5)).map(|_| operation(b, document, depth + 1)).collect()),

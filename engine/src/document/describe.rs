@@ -44,7 +44,7 @@ impl Document {
         let mut node_type =
             NodeType::new(format!("{PREFIX}{name}"), version).name(name.to_owned()).category("Clusters");
         node_type = node_type.doc(body.doc().unwrap_or_default().to_owned());
-        for (name, input) in &body.inputs {
+        for (name, input) in body.inputs_in_order() {
             let Ok((n, p)) = plan.find_input(&format!("{ONE}.{name}")) else { continue };
             let Some(behind) = plan.node_type(n).and_then(|t| t.inputs.get(p)) else { continue };
             let mut port = named(behind, name, input.doc.as_deref());
@@ -53,7 +53,7 @@ impl Document {
             }
             node_type = node_type.input(port);
         }
-        for (name, output) in &body.outputs {
+        for (name, output) in body.outputs_in_order() {
             let Ok((n, o)) = plan.find_output(&format!("{ONE}.{name}")) else { continue };
             let Some(behind) = plan.node_type(n).and_then(|t| t.outputs.get(o)) else { continue };
             node_type = node_type.output(named(behind, name, output.doc.as_deref()));
@@ -63,6 +63,34 @@ impl Document {
 }
 
 impl Document {
+    /// The definition that one gets to from here by names of clusters, each looked up in the file that the one before stands in;
+    /// and the path of its file, if that is another than this one. None if a name is not there, or its file could not be
+    /// read. O(names).
+    #[must_use]
+    pub fn definition<'a>(&'a self, names: impl IntoIterator<Item = &'a str>) -> Option<(&'a Self, Option<String>)> {
+        let (mut body, mut table, mut path) = (self, self, None::<String>);
+        for name in names {
+            match table.clusters.get(name)? {
+                Cluster::Here(inner) => body = inner,
+                Cluster::File(link) => {
+                    let file = join(path.as_deref().map_or("", folder_of), &link.file);
+                    body = &self.linked.0.get(&file)?.as_ref().ok()?.document;
+                    (table, path) = (body, Some(file));
+                }
+            }
+        }
+        Some((body, path))
+    }
+
+    /// The definition of a cluster of this file as a graph of its own, with the clusters of the file beside it: what is prepared
+    /// with it (copies, pastes, new clusters) is brought back by [`super::Operation::inside`]. None if there is no such
+    /// cluster in this file. O(definition + clusters).
+    #[must_use]
+    pub fn alone(&self, cluster: &str) -> Option<Self> {
+        let Some(Cluster::Here(body)) = self.clusters.get(cluster) else { return None };
+        Some(Self { clusters: self.clusters.clone(), linked: self.linked.clone(), ..Self::clone(body) })
+    }
+
     /// The port of a node type that `node.port` stands for as an input: at an instance the first one behind its own. With the
     /// port's own range: those of interfaces are [`Document::cluster_type`]'s matter. O(levels of clusters).
     #[must_use]

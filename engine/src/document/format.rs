@@ -115,6 +115,7 @@ pub(crate) fn input_text(input: &InterfaceInput, depth: usize) -> String {
     put("min", input.min.map(Json::from));
     put("max", input.max.map(Json::from));
     put("doc", input.doc.clone().map(Json::from));
+    put("order", input.order.map(Json::from));
     map_text(&map, depth)
 }
 
@@ -126,6 +127,9 @@ pub(crate) fn output_text(output: &InterfaceOutput, depth: usize) -> String {
     }
     if let Some(doc) = &output.doc {
         map.insert("doc".into(), Json::from(doc.as_str()));
+    }
+    if let Some(order) = output.order {
+        map.insert("order".into(), Json::from(order));
     }
     map_text(&map, depth)
 }

@@ -1,6 +1,8 @@
-//! Where nodes stand on a canvas: the sibling file `*.layout.json`. It never changes what a graph means.
+//! Where nodes stand on a canvas and how they look there: the sibling file `*.layout.json`. It never changes what a graph
+//! means.
 
 use super::cluster::Cluster;
+use super::format::json_text;
 use super::load::{check_foreign, object_of};
 use super::model::Document;
 use crate::diagnostic::Diagnostic;
@@ -11,11 +13,25 @@ use std::fmt::Write;
 /// Where nodes stand, by id.
 type Positions = BTreeMap<String, [f64; 2]>;
 
-/// Positions of nodes.
+/// How nodes look that do not look as they would by themselves, by id.
+type Looks = BTreeMap<String, Look>;
+
+/// How a node looks. The default is how it looks by itself, and is not written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Look {
+    /// Whether views show what it makes; none: as they find right.
+    pub shown: Option<bool>,
+    /// It shows all its inputs.
+    pub open: bool,
+}
+
+/// Positions and looks of nodes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Layout {
     /// By id; only of nodes that the document has.
     pub positions: Positions,
+    /// By id; only of nodes that the document has, and none that is the default.
+    pub looks: Looks,
 }
 
 impl Document {
@@ -23,6 +39,12 @@ impl Document {
     #[must_use]
     pub fn position(&self, node: &str) -> Option<[f64; 2]> {
         self.layout.positions.get(node).copied()
+    }
+
+    /// How a node looks on a canvas.
+    #[must_use]
+    pub fn look(&self, node: &str) -> Look {
+        self.layout.looks.get(node).copied().unwrap_or_default()
     }
 
     /// The text of the layout file: nodes by id, one per line, those of clusters apart. O(n).
@@ -39,10 +61,27 @@ impl Document {
         if !first {
             text.push_str("\n  },\n");
         }
-        text.push_str("  \"format\": \"tenon-layout\",\n  \"positions\": ");
+        text.push_str("  \"format\": \"tenon-layout\",\n");
+        self.write_looks(&mut text);
+        text.push_str("  \"positions\": ");
         write_positions(&mut text, &self.layout.positions, 2);
         text.push_str(",\n  \"version\": 1\n}\n");
         text
+    }
+
+    /// Ids by what is said of them, those of clusters apart; nothing if nothing is said.
+    fn write_looks(&self, text: &mut String) {
+        let inside: Json = self
+            .bodies()
+            .filter(|(_, body)| !body.layout.looks.is_empty())
+            .map(|(name, body)| (name.to_owned(), looks_json(&body.layout.looks)))
+            .collect();
+        let own = looks_json(&self.layout.looks);
+        for (key, value) in [("looks", own), ("looks_inside", inside)] {
+            if value.as_object().is_some_and(|o| !o.is_empty()) {
+                let _ = writeln!(text, "  \"{key}\": {},", json_text(&value));
+            }
+        }
     }
 
     /// The clusters that stand in this file.
@@ -66,19 +105,41 @@ impl Document {
         if file.get("format").and_then(Json::as_str) != Some("tenon-layout") || file.get("version") != Some(&1.into()) {
             return Err(wrong("\"format\": \"tenon-layout\", \"version\": 1 is missing".into()));
         }
-        let positions = self.known_positions(file.get("positions"))?;
-        let inside = file.get("clusters").and_then(Json::as_object);
-        let inside: Vec<(String, Positions)> = self
+        let said = |positions: &str, looks: &str, name: &str| {
+            [positions, looks].map(|key| file.get(key).and_then(Json::as_object)?.get(name))
+        };
+        let own = self.known(file.get("positions"), file.get("looks"))?;
+        let inside: Vec<(String, Layout)> = self
             .bodies()
-            .map(|(name, body)| Ok((name.to_owned(), body.known_positions(inside.and_then(|c| c.get(name)))?)))
+            .map(|(name, body)| {
+                let [positions, looks] = said("clusters", "looks_inside", name);
+                Ok((name.to_owned(), body.known(positions, looks)?))
+            })
             .collect::<Result<_, Diagnostic>>()?;
-        for (name, positions) in inside {
+        for (name, layout) in inside {
             if let Some(Cluster::Here(body)) = self.clusters.get_mut(&name) {
-                body.layout.positions = positions;
+                body.layout = layout;
             }
         }
-        self.layout.positions = positions;
+        self.layout = own;
         Ok(())
+    }
+
+    /// What is said of nodes that there are.
+    fn known(&self, positions: Option<&Json>, looks: Option<&Json>) -> Result<Layout, Diagnostic> {
+        Ok(Layout { positions: self.known_positions(positions)?, looks: self.known_looks(looks) })
+    }
+
+    /// The looks of nodes that there are. What is not understood is left out: it is only looks.
+    fn known_looks(&self, said: Option<&Json>) -> Looks {
+        let mut looks = Looks::new();
+        for (key, change) in LOOKS {
+            let ids = said.and_then(|l| l.get(key)).and_then(Json::as_array);
+            for id in ids.into_iter().flatten().filter_map(Json::as_str).filter(|id| self.nodes.contains_key(*id)) {
+                change(looks.entry(id.to_owned()).or_default());
+            }
+        }
+        looks
     }
 
     /// The positions of nodes that there are.
@@ -96,6 +157,26 @@ impl Document {
         }
         Ok(positions)
     }
+}
+
+/// The lists of the file, and what being in one of them says of a node.
+const LOOKS: [(&str, fn(&mut Look)); 3] = [
+    ("hidden", |look| look.shown = Some(false)),
+    ("open", |look| look.open = true),
+    ("shown", |look| look.shown = Some(true)),
+];
+
+fn looks_json(looks: &Looks) -> Json {
+    let is_in = |key: &str, look: &Look| match key {
+        "hidden" => look.shown == Some(false),
+        "shown" => look.shown == Some(true),
+        _ => look.open,
+    };
+    let list = |key: &str| -> Vec<Json> {
+        looks.iter().filter(|(_, look)| is_in(key, look)).map(|(id, _)| Json::from(id.as_str())).collect()
+    };
+    let lists = LOOKS.map(|(key, _)| (key.to_owned(), list(key)));
+    lists.into_iter().filter(|(_, list)| !list.is_empty()).map(|(key, list)| (key, Json::from(list))).collect()
 }
 
 /// One per line, in braces that stand at so many spaces.

@@ -231,6 +231,15 @@ impl<'a> Loader<'a> {
         json.as_f64()
     }
 
+    fn whole(&mut self, map: &mut Map<'a>, key: &str, what: &str) -> Option<i64> {
+        let raw = map.remove(key)?;
+        let json = self.json(raw);
+        if json.as_i64().is_none() {
+            self.error(raw.get(), format!("\"{key}\" of {what} must be a whole number, not {json}"));
+        }
+        json.as_i64()
+    }
+
     /// A text or a list of texts.
     fn texts(&mut self, raw: &'a RawValue, what: &str) -> Vec<String> {
         match self.json(raw) {
@@ -380,8 +389,9 @@ impl<'a> Loader<'a> {
                 let unit = self.text(&mut map, "unit", &what);
                 let (min, max) = (self.number(&mut map, "min", &what), self.number(&mut map, "max", &what));
                 let doc = self.text(&mut map, "doc", &what);
+                let order = self.whole(&mut map, "order", &what);
                 let extra = self.rest(map);
-                document.inputs.insert(name, InterfaceInput { ports, unit, min, max, doc, extra });
+                document.inputs.insert(name, InterfaceInput { ports, unit, min, max, doc, order, extra });
             }
         }
         if let Some(raw) = map.remove("outputs") {
@@ -396,8 +406,9 @@ impl<'a> Loader<'a> {
                     }
                 }
                 let (unit, doc) = (self.text(&mut map, "unit", &what), self.text(&mut map, "doc", &what));
-                let extra = self.rest(map);
-                document.outputs.insert(name, InterfaceOutput { port: port.unwrap_or_default(), unit, doc, extra });
+                let (order, extra) = (self.whole(&mut map, "order", &what), self.rest(map));
+                let port = port.unwrap_or_default();
+                document.outputs.insert(name, InterfaceOutput { port, unit, doc, order, extra });
             }
         }
         if let Some(raw) = map.get("version") {

@@ -16,6 +16,7 @@ pub(crate) mod validate;
 
 pub use cluster::{Cluster, Link};
 pub use fields::{Fields, Name};
+pub use layout::Look;
 pub use literal::Literal;
 pub use load::{DEFAULT_SIZE_LIMIT, DEPTH_LIMIT};
 pub use model::{Document, InterfaceInput, InterfaceOutput, Node, NodeMore, NodeState, TreeOp, Wires, WiresMore};

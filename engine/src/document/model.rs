@@ -51,6 +51,8 @@ pub struct InterfaceInput {
     pub max: Option<f64>,
     /// What it means.
     pub doc: Option<String>,
+    /// Its place among the others, the smallest first; those that say none follow by name.
+    pub order: Option<i64>,
     pub(crate) extra: BTreeMap<String, Json>,
 }
 
@@ -63,6 +65,8 @@ pub struct InterfaceOutput {
     pub unit: Option<String>,
     /// What it means.
     pub doc: Option<String>,
+    /// Its place among the others, the smallest first; those that say none follow by name.
+    pub order: Option<i64>,
     pub(crate) extra: BTreeMap<String, Json>,
 }
 
@@ -268,6 +272,18 @@ impl Document {
         &self.nodes
     }
 
+    /// Interface inputs in the order in which people see them. O(n log n).
+    #[must_use]
+    pub fn inputs_in_order(&self) -> Vec<(&str, &InterfaceInput)> {
+        in_order(&self.inputs, |input| input.order)
+    }
+
+    /// Interface outputs in the order in which people see them. O(n log n).
+    #[must_use]
+    pub fn outputs_in_order(&self) -> Vec<(&str, &InterfaceOutput)> {
+        in_order(&self.outputs, |output| output.order)
+    }
+
     /// A node to change.
     pub fn node_mut(&mut self, id: &str) -> Option<&mut Node> {
         let node = self.nodes.get_mut(id)?;
@@ -293,6 +309,7 @@ impl Document {
     /// Removes a node; wires from it stay and are named by validation.
     pub fn remove(&mut self, id: &str) -> Option<Node> {
         self.layout.positions.remove(id);
+        self.layout.looks.remove(id);
         self.nodes.remove(id)
     }
 
@@ -313,6 +330,12 @@ impl Document {
     pub fn foreign(&self) -> Option<&str> {
         self.foreign.as_deref()
     }
+}
+
+fn in_order<T>(all: &BTreeMap<String, T>, order: impl Fn(&T) -> Option<i64>) -> Vec<(&str, &T)> {
+    let mut all: Vec<(&str, &T)> = all.iter().map(|(name, t)| (name.as_str(), t)).collect();
+    all.sort_by_key(|(_, t)| (order(t).is_none(), order(t)));
+    all
 }
 
 pub(crate) fn valid_id(id: &str) -> bool {

@@ -375,7 +375,12 @@ impl Session {
         let silent = |o: &Operation| {
             matches!(
                 o,
-                O::Move { .. } | O::SetNote { .. } | O::SetForeign { .. } | O::SetGroup { .. } | O::SetEntry { .. }
+                O::Move { .. }
+                    | O::SetLook { .. }
+                    | O::SetNote { .. }
+                    | O::SetForeign { .. }
+                    | O::SetGroup { .. }
+                    | O::SetEntry { .. }
             )
         };
         let seen = |o: &&Operation| match o {

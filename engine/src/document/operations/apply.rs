@@ -3,6 +3,7 @@
 
 use super::super::fields::Name;
 use super::super::format::node_text;
+use super::super::layout::Look;
 use super::super::literal::Literal;
 use super::super::load::{DEPTH_LIMIT, check_foreign, read_node};
 use super::super::model::WiresMore;
@@ -115,6 +116,11 @@ impl Edit<'_> {
                 self.put_position(node, *to);
                 Ok(())
             }
+            Operation::SetLook { node, look } => {
+                self.known(node)?;
+                self.put_look(node, *look);
+                Ok(())
+            }
             Operation::All(_) => Ok(()), // `parts` has taken it apart.
         }
     }
@@ -137,6 +143,7 @@ impl Edit<'_> {
     fn put_node(&mut self, id: &str, node: Option<&Node>) -> Result<(), Diagnostic> {
         let Some(node) = node else {
             self.put_position(id, None);
+            self.put_look(id, Look::default());
             let old = self.document.nodes.remove(id).map(Box::new);
             self.undo.push(Operation::PutNode { id: id.into(), node: old });
             return Ok(());
@@ -248,12 +255,14 @@ impl Edit<'_> {
         // First the addresses, so that a node wired to itself follows too.
         self.readdress(from, Some(to));
         let position = self.document.layout.positions.get(from).copied();
+        let look = self.document.look(from);
         let node = self.document.nodes.get(from).cloned();
         self.put_node(from, None)?;
         self.put_node(to, node.as_ref())?;
         if position.is_some() {
             self.put_position(to, position);
         }
+        self.put_look(to, look);
         Ok(())
     }
 
@@ -331,6 +340,14 @@ impl Edit<'_> {
         let old = put(&mut self.document.layout.positions, node, to);
         if old.is_some() || to.is_some() {
             self.undo.push(Operation::Move { node: node.into(), to: old });
+        }
+    }
+
+    fn put_look(&mut self, node: &str, look: Look) {
+        let new = Some(look).filter(|look| *look != Look::default());
+        let old = put(&mut self.document.layout.looks, node, new).unwrap_or_default();
+        if old != look {
+            self.undo.push(Operation::SetLook { node: node.into(), look: old });
         }
     }
 

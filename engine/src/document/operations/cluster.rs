@@ -61,6 +61,7 @@ fn checked(name: &str, cluster: &Cluster) -> Result<Cluster, Diagnostic> {
             body.nodes.values_mut().for_each(|node| node.check_source());
             let nodes = &body.nodes;
             body.layout.positions.retain(|id, _| nodes.contains_key(id));
+            body.layout.looks.retain(|id, look| nodes.contains_key(id) && *look != Default::default());
             Ok(Cluster::Here(body))
         }
     }

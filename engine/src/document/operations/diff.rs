@@ -85,6 +85,11 @@ impl Document {
                 all.push(Operation::Move { node: node.into(), to: to.copied() });
             }
         }
+        for (node, _, look) in changed(&self.layout.looks, &other.layout.looks, |a, b| a == b) {
+            if other.nodes.contains_key(node) {
+                all.push(Operation::SetLook { node: node.into(), look: look.copied().unwrap_or_default() });
+            }
+        }
         all
     }
 }

@@ -43,6 +43,9 @@ impl Document {
             if let Some(position) = self.layout.positions.get(*id) {
                 fragment.layout.positions.insert((*id).into(), *position);
             }
+            if let Some(look) = self.layout.looks.get(*id) {
+                fragment.layout.looks.insert((*id).into(), *look);
+            }
         }
         for (name, group) in &self.groups {
             let Some(members) = group.get("nodes").and_then(Json::as_array) else { continue };
@@ -115,6 +118,11 @@ impl Document {
         for (id, [x, y]) in &fragment.layout.positions {
             if let Some(id) = ids.get(id) {
                 all.push(Operation::Move { node: id.clone(), to: Some([x + offset[0], y + offset[1]]) });
+            }
+        }
+        for (id, look) in &fragment.layout.looks {
+            if let Some(id) = ids.get(id) {
+                all.push(Operation::SetLook { node: id.clone(), look: *look });
             }
         }
         for (name, group) in &fragment.groups {

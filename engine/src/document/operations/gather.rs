@@ -110,6 +110,9 @@ impl Border {
         if let Some(position) = document.position(id) {
             self.body.layout.positions.insert(id.to_owned(), position);
         }
+        if let Some(look) = document.layout.looks.get(id) {
+            self.body.layout.looks.insert(id.to_owned(), *look);
+        }
         self.body.nodes.insert(id.to_owned(), taken);
         Ok(())
     }

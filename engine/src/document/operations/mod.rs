@@ -8,11 +8,13 @@ mod explode;
 mod fragment;
 mod gather;
 mod history;
+mod interface;
 
 pub use fragment::{OuterWires, Paste};
 pub use history::History;
 
 use super::cluster::Cluster;
+use super::layout::Look;
 use super::model::{Document, InterfaceInput, InterfaceOutput, Node, NodeState, Wires};
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::matching::Matching;
@@ -164,6 +166,13 @@ pub enum Operation {
         /// x to the right and y down in points of the canvas, or none.
         to: Option<[f64; 2]>,
     },
+    /// How a node looks on the canvas.
+    SetLook {
+        /// The node.
+        node: String,
+        /// How it looks; the default takes back what was said.
+        look: Look,
+    },
     /// All of them in order, or none of them if one is refused.
     All(Vec<Operation>),
 }
@@ -189,6 +198,21 @@ impl Operation {
     /// Says why the operation makes no sense for this document; then nothing has changed.
     pub fn apply(&self, document: &mut Document) -> Result<Self, Diagnostic> {
         apply::apply_at(self, document, 0)
+    }
+
+    /// The same inside the definition of a cluster of this file. What defines clusters, and what is done inside of them, stays at
+    /// the top of the file. O(operations).
+    #[must_use]
+    pub fn inside(self, cluster: &str) -> Self {
+        let within = |operation| Self::InCluster { name: cluster.to_owned(), operation: Box::new(operation) };
+        if !self.parts().any(|part| matches!(part, Self::SetCluster { .. } | Self::InCluster { .. })) {
+            return within(self);
+        }
+        let part = |part: &Self| match part {
+            Self::SetCluster { .. } | Self::InCluster { .. } => part.clone(),
+            part => within(part.clone()),
+        };
+        Self::All(self.parts().map(part).collect())
     }
 
     /// The operations it consists of, those inside `All` one by one. Without recursion: a caller may nest as it likes.
