@@ -186,6 +186,11 @@ pub const CODES: &[Code] = &[
     ),
     code("no-size", "A branch has no size by which it could be cut.", "Give a size for every branch."),
     code(
+        "no-such-entry",
+        "A list of values has no entry of that name.",
+        "The message lists the names; choose one of them or add the entry.",
+    ),
+    code(
         "no-such-index",
         "A vertex or face is named that the mesh does not have.",
         "The message gives how many there are.",

@@ -326,3 +326,36 @@ fn mesh_curve_and_panels_come_apart() {
     assert_eq!(get("explode_panels.corners")["{3}"].as_array().unwrap().len(), 4);
     assert_eq!(get("explode_panels.thickness"), json!({"{0}": [10.0]}));
 }
+
+#[test]
+fn a_slider_gives_what_lies_between_its_ends_in_millimetres() {
+    let graph = |params| nodes(&json!({ "x": { "type": "slider", "v": 1, "params": params } }));
+    assert_eq!(branches(&graph(json!({})), "x.value"), json!({"{0}": [5.0]}));
+    assert_eq!(branches(&graph(json!({"value": 2, "unit": "cm"})), "x.value"), json!({"{0}": [20.0]}));
+    let (value, report) = of(&graph(json!({"value": 12})), "x.value");
+    assert!(value.is_null() || value == json!({"{0}": [null]}), "{value}");
+    assert!(told(&report, "bad-parameter").hint.as_deref().is_some_and(|h| h.ends_with("10")));
+    let whole = |params| nodes(&json!({ "x": { "type": "integer_slider", "v": 1, "params": params } }));
+    assert_eq!(branches(&whole(json!({"value": 7})), "x.value"), json!({"{0}": [7]}));
+    told(&of(&whole(json!({"value": -1})), "x.value").1, "bad-parameter");
+    told(&of(&graph(json!({"unit": "apples"})), "x.value").1, "bad-parameter");
+    told(&of(&graph(json!({"min": 6, "max": 4})), "x.value").1, "bad-parameter");
+}
+
+#[test]
+fn a_value_list_gives_the_chosen_entry() {
+    let graph = |params| nodes(&json!({ "x": { "type": "value_list", "v": 1, "params": params } }));
+    let thick = |chosen| json!({"names": ["thin", "thick"], "values": [6.5, 18.0], "chosen": chosen});
+    assert_eq!(branches(&graph(json!({})), "x.value"), json!({"{0}": [1]}));
+    assert_eq!(branches(&graph(thick("thick")), "x.value"), json!({"{0}": [18.0]}));
+    let texts = json!({"names": ["a", "b"], "values": ["oak", "beech"], "chosen": "b"});
+    assert_eq!(branches(&graph(texts), "x.value"), json!({"{0}": ["beech"]}));
+    assert!(told(&of(&graph(thick("fat")), "x.value").1, "no-such-entry").hint.as_deref().is_some_and(|h| h == "thin, thick"));
+    told(&of(&graph(json!({"names": ["a"], "values": [1, 2]})), "x.value").1, "lengths-differ");
+}
+
+#[test]
+fn a_text_panel_passes_on_what_it_shows() {
+    let graph = fed("text_panel", "data", 3, &json!({}));
+    assert_eq!(branches(&graph, "x.data"), json!({"{0}": [0.0, 1.0, 2.0]}));
+}

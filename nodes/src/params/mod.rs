@@ -1,6 +1,7 @@
 //! Parameters and plumbing: values that people set, lists, ranges.
 
 mod canvas;
+mod chosen;
 mod list;
 mod primitive;
 mod spatial;
@@ -10,5 +11,5 @@ use tenon_engine::NodeType;
 
 /// Every node of this folder.
 pub(crate) fn nodes() -> Vec<NodeType> {
-    [primitive::nodes(), spatial::nodes(), list::nodes(), canvas::nodes()].into_iter().flatten().collect()
+    [primitive::nodes(), chosen::nodes(), spatial::nodes(), list::nodes(), canvas::nodes()].into_iter().flatten().collect()
 }
