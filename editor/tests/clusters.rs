@@ -1,7 +1,7 @@
 //! Clusters on the canvas: instances with the ports of their definition, made and taken apart by hand.
 
 use crate::common::{Window, example};
-use eframe::egui::{Modifiers, PointerButton};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, vec2};
 use tenon_engine::Operation;
 
 #[test]
@@ -87,4 +87,92 @@ fn clusters_are_entered_changed_named_and_left() {
     w.settle();
     assert_eq!(w.app().model.results.values["area.sum"].digest(), area);
     assert!(!w.app().model.unsaved());
+}
+
+#[test]
+fn clusters_are_made_inside_clusters_by_keys_and_copied_with_what_they_need() {
+    let mut w = Window::open(Some(&example("three-strips")));
+    let (text, area) = (w.app().model.whole().to_string_canonical(), w.app().model.results.values["area.sum"].digest());
+    w.app().model.selection = ["low".to_owned()].into();
+    w.app().canvas.show_all();
+    w.steps(3);
+    // A double-click below the title enters, and so does Enter.
+    w.double_click(w.rect("node low").center() + vec2(0.0, 30.0));
+    assert_eq!(w.app().model.trail().len(), 1, "{:?}", w.app().model.message);
+    w.key(Modifiers::ALT, Key::ArrowLeft);
+    assert!(w.app().model.trail().is_empty());
+    w.key(Modifiers::NONE, Key::Enter);
+    assert_eq!(w.app().model.trail().len(), 1);
+    w.settle();
+
+    w.app().model.selection = ["arc".to_owned(), "folds".to_owned()].into();
+    w.key(Modifiers::COMMAND, Key::K);
+    assert!(w.app().model.message.is_none(), "{:?}", w.app().model.message);
+    w.settle();
+    assert_eq!(w.app().model.results.values["area.sum"].digest(), area, "results stay");
+    let made = w.app().model.selection.first().cloned().unwrap();
+    assert!(w.app().model.whole().clusters.contains_key(&made), "its definition stands at the top of the file");
+    w.picture("cluster-in-cluster");
+    // It goes into another file with its definition.
+    let copied = w.clipboard(Event::Copy);
+    let mut other = Window::open(None);
+    other.harness.event(Event::Paste(copied));
+    other.steps(3);
+    assert!(other.app().model.whole().clusters.contains_key(&made), "{:?}", other.app().model.message);
+    // Into its own definition it does not go.
+    let own = w.clipboard(Event::Copy);
+    w.key(Modifiers::NONE, Key::Enter);
+    assert_eq!(w.app().model.trail().len(), 2);
+    w.settle();
+    assert!(w.app().model.value("arc.curve").is_some(), "values two levels down are those of the instance");
+    w.harness.event(Event::Paste(own));
+    w.steps(2);
+    assert_eq!(w.app().model.message.as_ref().unwrap().code, "cluster-cycle");
+    w.key(Modifiers::ALT, Key::ArrowLeft);
+    // It is taken apart again, and every step is taken back.
+    w.app().model.selection = [made].into();
+    w.key(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::K);
+    assert!(w.app().model.document().nodes().contains_key("arc"));
+    w.settle();
+    assert_eq!(w.app().model.results.values["area.sum"].digest(), area);
+    w.key(Modifiers::COMMAND, Key::Z);
+    w.key(Modifiers::COMMAND, Key::Z);
+    assert_eq!(w.app().model.whole().to_string_canonical(), text);
+}
+
+#[test]
+fn a_linked_cluster_is_looked_into_and_taken_in_by_one_click() {
+    let mut w = Window::open(Some(&example("three-strips")));
+    let area = w.app().model.results.values["area.sum"].digest();
+    w.app().model.enter("low").unwrap();
+    w.app().canvas.opened();
+    w.settle();
+    w.app().model.enter("cut").unwrap();
+    w.app().canvas.opened();
+    w.settle();
+    let file = w.app().model.linked().unwrap();
+    assert!(file.ends_with("boards.tenon.json"), "{file}");
+    let id = w.app().model.document().nodes().keys().next().unwrap().clone();
+    assert!(w.has_containing("to be looked at"));
+    let values = w.app().model.results.values.keys().filter(|k| k.starts_with("low/cut/")).count();
+    assert!(values > 0, "its values are those of the instance");
+    let places: std::collections::BTreeSet<String> =
+        w.app().canvas.shapes.nodes.iter().map(|s| format!("{:?}", s.rect.min)).collect();
+    assert!(places.len() > 1, "nodes do not lie on one another");
+    w.picture("linked");
+    let text = w.app().model.whole().to_string_canonical();
+    w.app().model.selection = [id.clone()].into();
+    w.key(Modifiers::NONE, Key::Delete);
+    assert_eq!(w.app().model.message.as_ref().unwrap().code, "linked-cluster");
+    assert_eq!(w.app().model.whole().to_string_canonical(), text, "nothing changes");
+    w.click(w.rect("Take it into this file").center());
+    assert!(w.app().model.linked().is_none(), "{:?}", w.app().model.message);
+    assert_eq!(w.app().model.trail().len(), 2);
+    w.settle();
+    let (node, note) = (id, Some("here".to_owned()));
+    assert!(w.app().model.edit(Operation::SetNote { node, note }), "{:?}", w.app().model.message);
+    assert_eq!(w.app().model.results.values["area.sum"].digest(), area);
+    w.key(Modifiers::COMMAND, Key::Z);
+    w.key(Modifiers::COMMAND, Key::Z);
+    assert_eq!(w.app().model.whole().to_string_canonical(), text);
 }

@@ -195,6 +195,71 @@ impl Window {
         self.steps(2);
     }
 
+    /// Turns the wheel over a place, by so many points; the view may take a while to follow.
+    pub fn wheel(&mut self, at: Pos2, points: f32) {
+        self.hover(at);
+        let (unit, phase) = (eframe::egui::MouseWheelUnit::Point, eframe::egui::TouchPhase::Move);
+        let (delta, modifiers) = (vec2(0.0, points), Modifiers::NONE);
+        self.harness.event(Event::MouseWheel { unit, delta, phase, modifiers });
+        self.steps(30);
+    }
+
+    /// Presses, moves to a place and holds there; [`Window::release`] lets go.
+    pub fn press(&mut self, from: Pos2, to: Pos2, modifiers: Modifiers) {
+        self.hold(modifiers);
+        self.hover(from);
+        self.button(from, PointerButton::Primary, true, modifiers);
+        for i in 1..=8 {
+            self.hover(from + (to - from) * (i as f32 / 8.0));
+        }
+        self.steps(1);
+    }
+
+    pub fn release(&mut self, at: Pos2) {
+        self.button(at, PointerButton::Primary, false, Modifiers::NONE);
+        self.hold(Modifiers::NONE);
+        self.steps(2);
+    }
+
+    /// What Ctrl+C, or Ctrl+X, brings into the clipboard; the desktop makes these events of the keys.
+    pub fn clipboard(&mut self, event: Event) -> String {
+        self.harness.event(event);
+        self.steps(1);
+        let commands = &self.harness.output().platform_output.commands;
+        let text = commands.iter().find_map(|c| match c {
+            eframe::egui::OutputCommand::CopyText(text) => Some(text.clone()),
+            _ => None,
+        });
+        text.unwrap_or_default()
+    }
+
+    /// Rests with the pointer at a place until tooltips show.
+    pub fn rest(&mut self, at: Pos2) {
+        self.hover(at - vec2(2.0, 0.0));
+        self.hover(at);
+        self.steps(80);
+    }
+
+    pub fn has_containing(&self, label: &str) -> bool {
+        self.harness.query_all_by_label_contains(label).next().is_some()
+    }
+
+    /// Brings something into sight and clicks it.
+    pub fn tap(&mut self, label: &str) {
+        self.harness.get_by_label(label).scroll_to_me();
+        self.steps(30);
+        self.click(self.rect(label).center());
+    }
+
+    /// A text field: its text becomes another, and Enter is pressed.
+    pub fn fill(&mut self, label: &str, text: &str) {
+        self.tap(label);
+        self.key(Modifiers::COMMAND, Key::A);
+        self.type_text(text);
+        self.key(Modifiers::NONE, Key::Enter);
+        self.steps(2);
+    }
+
     pub fn key(&mut self, modifiers: Modifiers, key: Key) {
         self.harness.key_press_modifiers(modifiers, key);
         self.steps(2);

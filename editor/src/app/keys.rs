@@ -10,19 +10,26 @@ pub(super) const fn command(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::COMMAND, key)
 }
 
+const fn with_shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
+}
+
 pub(super) const UNDO: KeyboardShortcut = command(Key::Z);
 pub(super) const REDO: KeyboardShortcut = command(Key::Y);
-pub(super) const REDO_TOO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
+pub(super) const REDO_TOO: KeyboardShortcut = with_shift(Key::Z);
 pub(super) const SAVE: KeyboardShortcut = command(Key::S);
-pub(super) const SAVE_AS: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::S);
+pub(super) const SAVE_AS: KeyboardShortcut = with_shift(Key::S);
 pub(super) const OPEN: KeyboardShortcut = command(Key::O);
 pub(super) const NEW: KeyboardShortcut = command(Key::N);
 pub(super) const ALL: KeyboardShortcut = command(Key::A);
 pub(super) const DUPLICATE: KeyboardShortcut = command(Key::D);
 pub(super) const GROUP: KeyboardShortcut = command(Key::G);
+pub(super) const UNGROUP: KeyboardShortcut = with_shift(Key::G);
+pub(super) const CLUSTER: KeyboardShortcut = command(Key::K);
+pub(super) const EXPLODE: KeyboardShortcut = with_shift(Key::K);
 pub(super) const PREVIEW: KeyboardShortcut = command(Key::Q);
 pub(super) const ENABLE: KeyboardShortcut = command(Key::E);
-pub(super) const FREEZE: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::E);
+pub(super) const FREEZE: KeyboardShortcut = with_shift(Key::E);
 
 impl App {
     /// Keys that mean the same everywhere in the window, unless somebody types.
@@ -42,7 +49,7 @@ impl App {
         if ui.input(|i| i.key_pressed(Key::F1)) {
             self.help = !self.help;
         }
-        if ui.ctx().egui_wants_keyboard_input() || self.canvas.is_typing() {
+        if ui.ctx().egui_wants_keyboard_input() || self.canvas.is_typing() || self.canvas.is_dragging() {
             return;
         }
         if pressed(REDO_TOO) || pressed(REDO) {
@@ -56,9 +63,17 @@ impl App {
         if pressed(DUPLICATE) && !self.model.selection.is_empty() {
             self.model.message = self.model.duplicate([40.0, 40.0]).err();
         }
-        if pressed(GROUP) {
+        if pressed(UNGROUP) {
+            self.ungroup();
+        } else if pressed(GROUP) {
             self.group();
         }
+        if pressed(EXPLODE) {
+            self.explode();
+        } else if pressed(CLUSTER) && !self.model.selection.is_empty() {
+            self.model.message = self.model.gather().err();
+        }
+        self.canvas_keys(ui);
         if pressed(PREVIEW) {
             self.model.toggle_preview();
         }
@@ -96,9 +111,69 @@ impl App {
                     self.copy(ui);
                     self.model.delete_selection();
                 }
-                egui::Event::Paste(text) => self.model.message = self.model.paste(&text, [40.0, 40.0]).err(),
+                egui::Event::Paste(text) => {
+                    let at = self.canvas.pointer(ui);
+                    self.model.message = self.model.paste(&text, at).err();
+                }
                 _ => {}
             }
         }
+    }
+
+    /// Keys of the canvas: finding, naming, moving, selecting along wires, showing all.
+    fn canvas_keys(&mut self, ui: &Ui) {
+        let plain = |key| ui.input(|i| i.modifiers.is_none() && i.key_pressed(key));
+        if plain(Key::F4) || ui.input(|i| i.modifiers.command_only() && i.key_pressed(Key::Space)) {
+            self.canvas.open_finder(ui);
+        }
+        if plain(Key::F2) {
+            self.canvas.rename(&self.model);
+        }
+        if plain(Key::F) && self.canvas.pointer(ui).is_some() || plain(Key::Home) {
+            if plain(Key::Home) {
+                self.model.selection.clear();
+            }
+            self.canvas.show_all();
+        }
+        let along = |key| ui.input_mut(|i| i.consume_key(Modifiers::COMMAND, key));
+        if along(Key::ArrowLeft) {
+            self.model.select_along(false);
+        } else if along(Key::ArrowRight) {
+            self.model.select_along(true);
+        }
+        let arrows = [
+            (Key::ArrowLeft, [-1.0, 0.0]),
+            (Key::ArrowRight, [1.0, 0.0]),
+            (Key::ArrowUp, [0.0, -1.0]),
+            (Key::ArrowDown, [0.0, 1.0]),
+        ];
+        for (key, way) in arrows {
+            let step = match ui.input(|i| (i.key_pressed(key), i.modifiers)) {
+                (true, m) if m.is_none() => 10.0,
+                (true, m) if m.shift_only() => 1.0,
+                _ => continue,
+            };
+            self.model.nudge(way.map(|w| w * step));
+        }
+    }
+
+    pub(super) fn ungroup(&mut self) {
+        if let Some(operation) = crate::canvas::ungroup(&self.model) {
+            self.model.edit(operation);
+        }
+    }
+
+    /// Takes the selected instances of clusters apart.
+    pub(super) fn explode(&mut self) {
+        let nodes = self.model.document().nodes();
+        let is_instance = |id: &&String| nodes.get(*id).is_some_and(|n| n.cluster().is_some());
+        let all: Vec<String> = self.model.selection.iter().filter(is_instance).cloned().collect();
+        self.model.begin();
+        for id in all {
+            if let Err(refused) = self.model.explode(&id) {
+                self.model.message = Some(refused);
+            }
+        }
+        self.model.end();
     }
 }

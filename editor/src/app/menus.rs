@@ -42,7 +42,7 @@ impl App {
             if ui.add_enabled(redo > 0, Button::new("Redo")).clicked() {
                 self.model.redo();
             }
-            if ui.button("Add node").on_hover_text("double-click on the canvas").clicked() {
+            if ui.button("Add node").on_hover_text("F4, or double-click on the canvas").clicked() {
                 self.canvas.open_finder(ui);
             }
         });
@@ -119,6 +119,15 @@ impl App {
         }
         if item(ui, any, "Group", keys::GROUP) {
             self.group();
+        }
+        if item(ui, any, "Ungroup", keys::UNGROUP) {
+            self.ungroup();
+        }
+        if item(ui, any, "Make a cluster", keys::CLUSTER) {
+            self.model.message = self.model.gather().err();
+        }
+        if item(ui, any, "Explode clusters", keys::EXPLODE) {
+            self.explode();
         }
         if item(ui, any, "Show or hide in the viewport", keys::PREVIEW) {
             self.model.toggle_preview();

@@ -46,6 +46,7 @@ pub struct App {
     said: Option<String>,
     preferences: Preferences,
     gallery: Gallery,
+    examples: panels::examples::Examples,
     /// The step of the tour that is shown.
     tour: Option<usize>,
 }
@@ -87,6 +88,7 @@ impl App {
             said: None,
             preferences: Preferences::default(),
             gallery: Gallery::default(),
+            examples: Default::default(),
             tour: None,
         };
         if let Some(graph) = graph {
@@ -117,6 +119,17 @@ impl App {
             }
             Side::Space => {
                 ui.centered_and_justified(|ui| ui.label("no graphics: the viewport cannot be shown"));
+            }
+        }
+    }
+
+    /// Opens an example, or puts a piece of it where the canvas is looked at.
+    fn example(&mut self, ui: &Ui, shown: panels::examples::Shown) {
+        match shown {
+            panels::examples::Shown::Open(path) => self.leave(ui, Leave::Open(path)),
+            panels::examples::Shown::Insert(piece) => {
+                let at = self.canvas.middle();
+                self.model.message = self.model.insert_at(&piece, at).err();
             }
         }
     }
@@ -155,6 +168,14 @@ impl App {
                 }
             }
             ui.label("›");
+            if let Some(file) = self.model.linked() {
+                ui.strong(&last.cluster);
+                ui.weak(format!("of {file}, to be looked at; seen through {}", last.path));
+                if ui.button("Take it into this file").on_hover_text("then it can be changed here").clicked() {
+                    self.model.message = self.model.embed_here().err();
+                }
+                return;
+            }
             let id = egui::Id::new("cluster-name");
             let mut name = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| last.cluster.clone());
             let field = ui.add(egui::TextEdit::singleline(&mut name).desired_width(140.0).id(id.with("field")));
@@ -190,7 +211,9 @@ impl eframe::App for App {
                 .min_size(150.0)
                 .default_size(ui.available_height() * 0.34)
                 .show(ui, |ui| {
-                    panels::inspector(ui, &mut self.model);
+                    if let Some(shown) = panels::inspector(ui, &mut self.model, &mut self.examples) {
+                        self.example(ui, shown);
+                    }
                 });
             egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.side(ui));
         });

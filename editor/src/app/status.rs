@@ -46,6 +46,8 @@ impl App {
             if let Some(message) = &self.model.message {
                 let hint = message.hint.as_ref().map(|h| format!(" ({h})")).unwrap_or_default();
                 ui.colored_label(theme.error, format!("{}{hint}", message.message));
+            } else if let Some(said) = &self.model.said {
+                ui.label(said);
             } else if let Some(said) = self.said.clone() {
                 if ui.label(said).on_hover_text("click to put away").interact(egui::Sense::click()).clicked() {
                     self.said = None;

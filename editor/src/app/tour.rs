@@ -3,8 +3,9 @@
 use super::App;
 use super::files::Leave;
 use crate::canvas::Canvas;
+use crate::panels::examples::folder as examples;
 use eframe::egui::{self, Align2, ColorImage, TextureHandle, Ui, Window};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The steps: what to do, and in other words why.
 const STEPS: [(&str, &str); 3] = [
@@ -22,16 +23,6 @@ const STEPS: [(&str, &str); 3] = [
         "There the panels lie on their boards, and the tool moves through them as the machine will.",
     ),
 ];
-
-/// The folder of the examples: beside the program, above it, or where it was started.
-fn examples() -> Option<PathBuf> {
-    let program = std::env::current_exe().ok();
-    let above = program.iter().flat_map(|p| p.ancestors().skip(1).take(4)).map(Path::to_owned);
-    above
-        .chain(std::env::current_dir().ok())
-        .map(|p| p.join("graphs"))
-        .find(|p| crate::model::file::find(&p.join("shell-256")).is_ok())
-}
 
 /// The examples, with the pictures that were opened.
 #[derive(Default)]

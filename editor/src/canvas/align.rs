@@ -14,6 +14,12 @@ pub enum Align {
     Right,
     /// Upper edges beside one another.
     Top,
+    /// Lower edges beside one another.
+    Bottom,
+    /// Middles under one another.
+    Centre,
+    /// Middles beside one another.
+    Middle,
     /// Equal room between nodes from left to right.
     Across,
     /// Equal room between nodes from top to bottom.
@@ -21,10 +27,13 @@ pub enum Align {
 }
 
 /// All ways with their names.
-pub const ALL: [(&str, Align); 5] = [
+pub const ALL: [(&str, Align); 8] = [
     ("Left edges", Align::Left),
     ("Right edges", Align::Right),
     ("Upper edges", Align::Top),
+    ("Lower edges", Align::Bottom),
+    ("Centres under one another", Align::Centre),
+    ("Centres beside one another", Align::Middle),
     ("Distribute across", Align::Across),
     ("Distribute down", Align::Down),
 ];
@@ -46,11 +55,16 @@ fn places(rects: &[Rect], how: Align) -> Vec<[f32; 2]> {
     let left = rects.iter().map(Rect::left).fold(f32::INFINITY, f32::min);
     let right = rects.iter().map(Rect::right).fold(f32::NEG_INFINITY, f32::max);
     let top = rects.iter().map(Rect::top).fold(f32::INFINITY, f32::min);
+    let bottom = rects.iter().map(Rect::bottom).fold(f32::NEG_INFINITY, f32::max);
+    let (across, down) = ((left + right) / 2.0, (top + bottom) / 2.0);
     let mut places: Vec<[f32; 2]> = rects.iter().map(|r| [r.left(), r.top()]).collect();
     match how {
         Align::Left => places.iter_mut().for_each(|p| p[0] = left),
         Align::Right => places.iter_mut().zip(rects).for_each(|(p, r)| p[0] = right - r.width()),
         Align::Top => places.iter_mut().for_each(|p| p[1] = top),
+        Align::Bottom => places.iter_mut().zip(rects).for_each(|(p, r)| p[1] = bottom - r.height()),
+        Align::Centre => places.iter_mut().zip(rects).for_each(|(p, r)| p[0] = across - r.width() / 2.0),
+        Align::Middle => places.iter_mut().zip(rects).for_each(|(p, r)| p[1] = down - r.height() / 2.0),
         Align::Across => distribute(rects, &mut places, 0, Rect::width),
         Align::Down => distribute(rects, &mut places, 1, Rect::height),
     }
@@ -82,6 +96,9 @@ mod tests {
         let rects = rects.map(|(x, y, w)| Rect::from_min_size(pos2(x, y), vec2(w, 8.0)));
         assert_eq!(places(&rects, Align::Left).iter().map(|p| p[0]).collect::<Vec<_>>(), [0.0, 0.0, 0.0]);
         assert_eq!(places(&rects, Align::Right).iter().map(|p| p[0]).collect::<Vec<_>>(), [90.0, 70.0, 90.0]);
+        assert_eq!(places(&rects, Align::Bottom).iter().map(|p| p[1]).collect::<Vec<_>>(), [5.0, 5.0, 5.0]);
+        assert_eq!(places(&rects, Align::Centre).iter().map(|p| p[0]).collect::<Vec<_>>(), [45.0, 35.0, 45.0]);
+        assert_eq!(places(&rects, Align::Middle).iter().map(|p| p[1]).collect::<Vec<_>>(), [2.5, 2.5, 2.5]);
         assert_eq!(places(&rects, Align::Across).iter().map(|p| p[0]).collect::<Vec<_>>(), [0.0, 35.0, 90.0]);
         assert!(places(&[], Align::Down).is_empty());
     }

@@ -4,7 +4,8 @@ use super::finder::Finder;
 use super::hit::Hit;
 use super::input::Typing;
 use super::paint::{Paint, Strands};
-use super::shape::{Kind, Row, Shape, Shapes};
+use super::shape::{Kind, Row, Shapes};
+use super::wiring::End;
 use super::{Canvas, groups, view};
 use crate::model::Model;
 use crate::model::catalog::PortInfo;
@@ -13,33 +14,6 @@ use crate::panels::table::{self, Table};
 use crate::theme;
 use eframe::egui::{Key, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui, Vec2, pos2};
 use tenon_engine::Operation;
-
-/// The end of a wire that is being drawn.
-#[derive(Clone, Debug, PartialEq)]
-pub struct End {
-    /// The node that it starts at.
-    pub node: String,
-    /// Its port there.
-    pub port: String,
-    /// Whether that is an output.
-    pub output: bool,
-    /// The type of that port.
-    pub type_name: String,
-}
-
-impl End {
-    /// Whether a wire from here can go to a port.
-    pub fn fits(&self, shapes: &Shapes, model: &Model, shape: &Shape, output: bool, port: usize) -> bool {
-        if output == self.output || shape.id == self.node || shapes.find(&self.node).is_none() {
-            return false;
-        }
-        let there = if output { shape.outputs.get(port) } else { shape.inputs.get(port) };
-        there.is_some_and(|p| match self.output {
-            true => model.catalog.fits(&self.type_name, &p.type_name),
-            false => model.catalog.fits(&p.type_name, &self.type_name),
-        })
-    }
-}
 
 /// What the hand does.
 #[derive(Default)]
@@ -53,10 +27,21 @@ pub enum Gesture {
     Frame(Pos2, std::collections::BTreeSet<String>),
     /// Draws a line around nodes; its corners, and what was selected before.
     Lasso(Vec<Pos2>, std::collections::BTreeSet<String>),
-    /// Moves the selected nodes by so much.
-    Move(Vec2),
+    /// Moves the selected nodes.
+    Move {
+        /// By so much, as the hand went.
+        by: Vec2,
+        /// Where the node that was taken stood: it lands on the grid.
+        anchor: Pos2,
+        /// Copies are put there, and the nodes stay.
+        copies: bool,
+    },
     /// Draws a wire.
     Wire(End),
+    /// Draws a wire that was taken off the input where it ended, as part of one step.
+    Taken(End),
+    /// Leads all wires of a port to another one.
+    Rewire(End),
     /// Slides a value along its row.
     Slide {
         /// The node.
@@ -91,12 +76,17 @@ impl Gesture {
 
     /// How far selected nodes have been moved.
     pub fn offset(&self) -> Option<Vec2> {
-        if let Self::Move(by) = self { Some(view::snap(by.to_pos2()).to_vec2()) } else { None }
+        if let Self::Move { by, anchor, .. } = self { Some(view::snap(*anchor + *by) - *anchor) } else { None }
+    }
+
+    /// Whether copies are being moved.
+    pub fn copies(&self) -> bool {
+        matches!(self, Self::Move { copies: true, by, .. } if *by != Vec2::ZERO)
     }
 
     /// The wire that is being drawn.
     pub fn wire(&self) -> Option<&End> {
-        if let Self::Wire(end) = self { Some(end) } else { None }
+        if let Self::Wire(end) | Self::Taken(end) = self { Some(end) } else { None }
     }
 
     /// Paints the frame or the wire.
@@ -112,7 +102,7 @@ impl Gesture {
                 let line: Vec<Pos2> = line.iter().map(|c| p.view.to_screen(p.area, *c)).collect();
                 p.painter.add(eframe::egui::Shape::closed_line(line, Stroke::new(1.5, p.theme.selected)));
             }
-            Self::Wire(end) => {
+            Self::Wire(end) | Self::Taken(end) => {
                 let Some(shape) = shapes.find(&end.node).map(|n| &shapes.nodes[n]) else { return };
                 let named = |ports: &[crate::model::catalog::PortInfo]| ports.iter().position(|q| q.name == end.port);
                 let colour = theme::type_colour(&end.type_name);
@@ -124,12 +114,34 @@ impl Gesture {
                     to.into_iter().for_each(|to| p.wire(pointer, to, colour, Strands::Item));
                 }
             }
+            Self::Rewire(end) => {
+                let Some(n) = shapes.find(&end.node) else { return };
+                for (from, to) in shapes.wires_at(n, &end.port, end.output) {
+                    let ends = if end.output { (pointer, to) } else { (from, pointer) };
+                    p.wire(ends.0, ends.1, theme::type_colour(&end.type_name), Strands::Item);
+                }
+            }
             _ => {}
         }
     }
 }
 
 impl Canvas {
+    /// Whether something is being dragged.
+    #[must_use]
+    pub fn is_dragging(&self) -> bool {
+        !self.gesture.is_idle()
+    }
+
+    /// Gives up what is being dragged: everything is as it was before.
+    fn abort(&mut self, model: &mut Model) {
+        match std::mem::take(&mut self.gesture) {
+            Gesture::Slide { .. } | Gesture::Turn { .. } | Gesture::Taken(_) => model.abort(),
+            Gesture::Frame(_, before) | Gesture::Lasso(_, before) => model.selection = before,
+            _ => {}
+        }
+    }
+
     /// Looks at what the hand does and does it.
     pub(super) fn gestures(&mut self, ui: &Ui, response: &Response, model: &mut Model) {
         let area = response.rect;
@@ -137,9 +149,15 @@ impl Canvas {
         if response.contains_pointer() {
             let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta.y, i.zoom_delta()));
             if let Some(at) = pointer.filter(|_| scroll != 0.0 || pinch != 1.0) {
-                let factor = if pinch != 1.0 { pinch } else { (scroll * 0.004).exp() };
-                self.view.zoom_at(area, at, factor);
+                let turned = pinch == 1.0 && self.turn_sheet(self.view.to_canvas(area, at), scroll, model);
+                if !turned {
+                    let factor = if pinch != 1.0 { pinch } else { (scroll * 0.004).exp() };
+                    self.view.zoom_at(area, at, factor);
+                }
             }
+        }
+        if !self.gesture.is_idle() && ui.input(|i| i.key_pressed(Key::Escape)) {
+            self.abort(model);
         }
         let pressed = ui.input(|i| i.pointer.press_origin());
         if response.drag_started() {
@@ -199,15 +217,22 @@ impl Canvas {
             Hit::Group(g) => {
                 let name = model.document().groups.keys().nth(g).cloned().unwrap_or_default();
                 model.selection = groups::members(model.document(), &name).map(str::to_owned).collect();
-                Gesture::Move(Vec2::ZERO)
+                let first = model.selection.first().and_then(|id| self.shapes.find(id));
+                first.map_or(Gesture::Idle, |n| self.taken(n, alt))
             }
             Hit::Node(n) | Hit::More(n) => {
                 self.choose(n, false, model);
-                Gesture::Move(Vec2::ZERO)
+                self.taken(n, alt)
             }
+            Hit::Output(n, o) if ctrl && shift => Gesture::Rewire(self.end(n, o, true)),
+            Hit::Input(n, i) if ctrl && shift => Gesture::Rewire(self.end(n, i, false)),
             Hit::Output(n, o) => self.wire_from(n, o, true),
             Hit::Input(n, i) if ctrl => self.take_off(n, i, model),
             Hit::Input(n, i) => self.wire_from(n, i, false),
+            Hit::Value(n, _, _) if alt => {
+                self.choose(n, false, model);
+                self.taken(n, alt)
+            }
             Hit::Value(n, i, r) => self.begin_value(area, at, n, i, r, model),
         };
         if matches!(self.gesture, Gesture::Slide { .. } | Gesture::Turn { .. }) {
@@ -215,26 +240,9 @@ impl Canvas {
         }
     }
 
-    fn wire_from(&self, n: usize, port: usize, output: bool) -> Gesture {
-        let shape = &self.shapes.nodes[n];
-        let ports = if output { &shape.outputs } else { &shape.inputs };
-        let info = &ports[port];
-        Gesture::Wire(End {
-            node: shape.id.clone(),
-            port: info.name.clone(),
-            output,
-            type_name: info.type_name.clone(),
-        })
-    }
-
-    /// Takes the last wire off an input, to be put elsewhere.
-    fn take_off(&self, n: usize, port: usize, model: &mut Model) -> Gesture {
-        let wire = self.shapes.wires.iter().rev().find(|w| w.to == n && w.port == port);
-        let Some((wire, (source, output))) = wire.and_then(|w| Some((w, w.source?))) else { return Gesture::Idle };
-        let (node, port) = (self.shapes.nodes[n].id.clone(), self.shapes.nodes[n].inputs[port].name.clone());
-        let gesture = self.wire_from(source, output, true);
-        model.edit(Operation::Disconnect { node, port, from: wire.from.clone() });
-        gesture
+    /// A node was taken to be moved, or copies of what is selected.
+    fn taken(&self, n: usize, copies: bool) -> Gesture {
+        Gesture::Move { by: Vec2::ZERO, anchor: self.shapes.nodes[n].rect.min, copies }
     }
 
     fn begin_value(&self, area: Rect, at: Pos2, n: usize, i: usize, r: usize, model: &mut Model) -> Gesture {
@@ -254,7 +262,7 @@ impl Canvas {
             }
             _ => {
                 self.choose(n, false, model);
-                Gesture::Move(Vec2::ZERO)
+                self.taken(n, false)
             }
         }
     }
@@ -267,9 +275,9 @@ impl Canvas {
             }
         };
         match &mut self.gesture {
-            Gesture::Idle | Gesture::Wire(_) => {}
+            Gesture::Idle | Gesture::Wire(_) | Gesture::Taken(_) | Gesture::Rewire(_) => {}
             Gesture::Pan => self.view.origin += delta,
-            Gesture::Move(by) => *by += delta / self.view.zoom,
+            Gesture::Move { by, .. } => *by += delta / self.view.zoom,
             Gesture::Frame(from, before) => {
                 let frame = Rect::from_two_pos(*from, self.view.to_canvas(area, at));
                 model.selection.clone_from(before);
@@ -300,11 +308,17 @@ impl Canvas {
     fn finish(&mut self, area: Rect, pointer: Option<Pos2>, model: &mut Model) {
         let offset = self.gesture.offset();
         match std::mem::take(&mut self.gesture) {
-            Gesture::Move(_) => {
+            Gesture::Move { copies, .. } => {
                 let by = offset.unwrap_or(Vec2::ZERO);
+                if copies && by != Vec2::ZERO {
+                    model.message = model.duplicate([f64::from(by.x), f64::from(by.y)]).err();
+                    return;
+                }
                 let moves = model.selection.iter().filter_map(|id| {
-                    let [x, y] = model.document().position(id).unwrap_or_default();
-                    let to = Some([x + f64::from(by.x), y + f64::from(by.y)]);
+                    let at = model.position(id).unwrap_or_default();
+                    // Single precision leaves crumbs.
+                    let to =
+                        Some([(at[0], by.x), (at[1], by.y)].map(|(a, b)| ((a + f64::from(b)) * 100.0).round() / 100.0));
                     (by != Vec2::ZERO).then(|| Operation::Move { node: id.clone(), to })
                 });
                 let moves: Vec<Operation> = moves.collect();
@@ -320,43 +334,21 @@ impl Canvas {
                     hit => self.drop_wire(&end, hit, at, area, model),
                 }
             }
-            Gesture::Idle | Gesture::Pan | Gesture::Frame(..) | Gesture::Lasso(..) => {}
-        }
-    }
-
-    /// A wire was let go over a node: it goes to the port there, or to the only one that fits.
-    fn drop_wire(&self, end: &End, hit: Hit, at: Pos2, area: Rect, model: &mut Model) {
-        let Some(shape) = hit.node().map(|n| &self.shapes.nodes[n]) else { return };
-        let count = if end.output { shape.inputs.len() } else { shape.outputs.len() };
-        let there = match hit {
-            Hit::Output(_, o) if !end.output => Some(o),
-            Hit::Input(_, i) | Hit::Value(_, i, _) if end.output => Some(i),
-            _ => {
-                // Anywhere on a row counts as its port.
-                let p = self.view.to_canvas(area, at);
-                let row =
-                    shape.rows.iter().enumerate().find(|(r, _)| shape.row_rect(*r).contains(p)).map(|(_, row)| row);
-                match row {
-                    Some(Row::Input(i, _)) if end.output => Some(*i),
-                    Some(Row::Output(o)) if !end.output => Some(*o),
-                    _ => (0..count).find(|p| end.fits(&self.shapes, model, shape, !end.output, *p)),
+            Gesture::Taken(end) => {
+                let hit = pointer.map_or(Hit::Nothing, |at| self.hit(area, at, model));
+                if let (Some(at), Some(_)) = (pointer, hit.node()) {
+                    self.drop_wire(&end, hit, at, area, model);
+                }
+                model.end();
+            }
+            Gesture::Rewire(end) => {
+                let hit = pointer.map_or(Hit::Nothing, |at| self.hit(area, at, model));
+                if let Some(operation) = self.rewire(&end, hit, model) {
+                    model.edit(operation);
                 }
             }
-        };
-        let Some(port) = there else { return };
-        if !end.fits(&self.shapes, model, shape, !end.output, port) {
-            let there = if end.output { &shape.inputs[port] } else { &shape.outputs[port] };
-            let (gives, takes) =
-                if end.output { (&end.type_name, &there.type_name) } else { (&there.type_name, &end.type_name) };
-            let message = format!("a wire cannot go there: it brings {gives}, the input takes {takes}");
-            model.message = Some(tenon_engine::Diagnostic::error("wrong-type", message));
-            return;
+            Gesture::Idle | Gesture::Pan | Gesture::Frame(..) | Gesture::Lasso(..) => {}
         }
-        let operation = match end.output {
-            true => model.new_wire(&format!("{}.{}", end.node, end.port), &shape.id, &shape.inputs[port].name),
-            false => model.new_wire(&format!("{}.{}", shape.id, shape.outputs[port].name), &end.node, &end.port),
-        };
-        model.edit(operation);
     }
 
     fn click(&mut self, ui: &Ui, area: Rect, at: Pos2, model: &mut Model) {
@@ -380,7 +372,7 @@ impl Canvas {
             }
             Hit::More(n) => {
                 let id = self.shapes.nodes[n].id.clone();
-                self.fold(&id);
+                model.fold(&id);
             }
             Hit::Value(n, i, r) => {
                 let shape = &self.shapes.nodes[n];
@@ -396,14 +388,6 @@ impl Canvas {
             }
             Hit::Node(n) | Hit::Output(n, _) | Hit::Input(n, _) => self.select_one(n, more, model),
         }
-    }
-
-    /// Puts a reroute point into a wire.
-    pub(super) fn reroute(&self, wire: usize, at: [f64; 2], model: &mut Model) {
-        let Some(wire) = self.shapes.wires.get(wire) else { return };
-        let to = &self.shapes.nodes[wire.to];
-        let operation = model.reroute(&wire.from, &to.id, &to.inputs[wire.port].name, at);
-        model.edit(operation);
     }
 
     /// Opens what a value is edited by: lists as tables, choices as menus, everything else, and `raw` ones, as a text.
@@ -454,8 +438,9 @@ impl Canvas {
                 match shape.kind {
                     Kind::Note => self.typing = Some(Typing::new(id, "text".into(), model)),
                     Kind::Reroute => {}
+                    Kind::Sheet if !title => {}
                     Kind::Node if instance && !title => model.message = model.enter(&id).err(),
-                    Kind::Node => self.typing = Some(Typing::rename(id)),
+                    Kind::Node | Kind::Sheet => self.typing = Some(Typing::rename(id)),
                 }
             }
             Hit::Wire(w) => {

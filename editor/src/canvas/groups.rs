@@ -28,6 +28,32 @@ pub fn group(model: &Model) -> Operation {
     Operation::SetGroup { name, nodes: Some(model.selection.iter().cloned().collect()) }
 }
 
+/// A group that consists of just what is selected.
+pub fn of_selection(model: &Model) -> Option<String> {
+    let is_it = |name: &&String| {
+        let members: std::collections::BTreeSet<&str> = members(model.document(), name).collect();
+        !members.is_empty()
+            && members.len() == model.selection.len()
+            && members.iter().all(|m| model.selection.contains(*m))
+    };
+    model.document().groups.keys().find(is_it).cloned()
+}
+
+/// The operation that takes the selected nodes out of all groups; a group that is left without nodes is dissolved. None if
+/// there is nothing to do.
+pub fn ungroup(model: &Model) -> Option<Operation> {
+    let document = model.document();
+    let all = document.groups.keys().filter_map(|name| {
+        let all: Vec<&str> = members(document, name).collect();
+        let left: Vec<String> =
+            all.iter().filter(|m| !model.selection.contains(**m)).map(|m| (*m).to_owned()).collect();
+        let nodes = (!left.is_empty()).then_some(left.clone());
+        (left.len() < all.len()).then(|| Operation::SetGroup { name: name.clone(), nodes })
+    });
+    let all: Vec<Operation> = all.collect();
+    (!all.is_empty()).then_some(Operation::All(all))
+}
+
 /// Ids of the nodes of a group.
 pub fn members<'a>(document: &'a Document, name: &str) -> impl Iterator<Item = &'a str> {
     let nodes = document.groups.get(name).and_then(|g| g.get("nodes")).and_then(Json::as_array);

@@ -33,6 +33,8 @@ pub struct Typing {
     begun: bool,
     /// It asked for the keyboard and has not got it yet.
     asked: bool,
+    /// The entries to choose from are to be edited.
+    pub entries: bool,
 }
 
 impl Typing {
@@ -52,7 +54,13 @@ impl Typing {
             text: param::to_text(value.as_ref()),
             begun: false,
             asked: false,
+            entries: false,
         }
+    }
+
+    /// The node whose entries are to be edited.
+    pub fn node(&self) -> &str {
+        &self.node
     }
 
     /// A field for the value of an input as the file has it, whatever is offered otherwise.
@@ -62,13 +70,18 @@ impl Typing {
 
     /// A field for the id of a node.
     pub fn rename(node: String) -> Self {
-        Self { text: node.clone(), node, what: What::Id, lines: false, raw: false, begun: false, asked: false }
+        Self { text: node.clone(), node, what: What::Id, ..Self::empty() }
     }
 
     /// A field for the title of a group.
     pub fn title(group: String, model: &Model) -> Self {
         let text = groups::title(model.document(), &group).to_owned();
-        Self { text, node: group, what: What::Title, lines: false, raw: false, begun: false, asked: false }
+        Self { text, node: group, what: What::Title, ..Self::empty() }
+    }
+
+    fn empty() -> Self {
+        let (node, text) = (String::new(), String::new());
+        Self { node, what: What::Id, lines: false, raw: false, text, begun: false, asked: false, entries: false }
     }
 
     /// The input whose value is typed.
@@ -112,6 +125,13 @@ impl Typing {
                                 if ui.selectable_label(*choice == self.text, choice).clicked() {
                                     self.text.clone_from(choice);
                                     self.commit(model);
+                                    open = false;
+                                }
+                            }
+                            if self.is_value_list(model) {
+                                ui.separator();
+                                if ui.button("Edit the entries …").clicked() {
+                                    self.entries = true;
                                     open = false;
                                 }
                             }
@@ -187,9 +207,30 @@ impl Typing {
         let port = || {
             let node = model.document().nodes().get(&self.node)?;
             let info = model.catalog.get(&node.type_name)?;
-            Some(info.inputs.iter().find(|p| Some(p.name.as_str()) == self.port())?.choices.clone())
+            let port = info.inputs.iter().find(|p| Some(p.name.as_str()) == self.port())?;
+            Some(param::at(node, port, None).choices)
         };
         port().unwrap_or_default()
+    }
+
+    fn is_value_list(&self, model: &Model) -> bool {
+        model.document().nodes().get(&self.node).is_some_and(|n| n.type_name == "value_list")
+    }
+
+    /// The operation that sets ends, value and step of a slider as they were typed; none if that is not what was typed.
+    fn slider(&self, model: &Model) -> Option<Operation> {
+        let node = model.document().nodes().get(&self.node)?;
+        let whole = node.type_name == "integer_slider";
+        let typed = param::Typed::read(&self.text).filter(|_| self.text.contains(['<']) || self.text.contains(".."))?;
+        if !(whole && typed.type_name() == "integer_slider" || node.type_name == "slider") {
+            return None;
+        }
+        let set = |(port, value): (&str, tenon_engine::Json)| Operation::SetParam {
+            node: self.node.clone(),
+            port: port.to_owned(),
+            value: Some(value),
+        };
+        Some(Operation::All(typed.params().into_iter().map(set).collect()))
     }
 
     fn commit(&self, model: &mut Model) {
@@ -210,6 +251,10 @@ impl Typing {
             }
             return;
         };
+        if let Some(operation) = self.slider(model).filter(|_| port == "value") {
+            model.edit(operation);
+            return;
+        }
         let node = model.document().nodes().get(&self.node);
         let info = node.and_then(|n| model.catalog.get(&n.type_name)).cloned();
         let Some(input) = info.as_ref().and_then(|t| t.inputs.iter().find(|p| p.name == port)) else { return };

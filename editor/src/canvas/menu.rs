@@ -4,8 +4,9 @@ use super::hit::Hit;
 use super::input::Typing;
 use super::{Canvas, Finder, align, groups};
 use crate::model::Model;
+use crate::panels::entries::Entries;
 use eframe::egui::{Response, Ui};
-use tenon_engine::{Cluster, Node, NodeState, Operation};
+use tenon_engine::{Cluster, Look, Node, NodeState, Operation};
 
 impl Canvas {
     pub(super) fn context_menu(&mut self, response: &Response, model: &mut Model) {
@@ -57,9 +58,12 @@ impl Canvas {
             ui.separator();
             let shows = model.previews(&id);
             if ui.button(if shows { "Hide in the viewport" } else { "Show in the viewport" }).clicked() {
-                for id in model.selection.clone() {
-                    model.set_preview(&id, !shows);
+                if !model.selection.contains(&id) {
+                    model.selection = [id.clone()].into();
                 }
+                let look = |id: &String| Look { shown: Some(!shows), ..model.document().look(id) };
+                let all = model.selection.iter().map(|id| Operation::SetLook { node: id.clone(), look: look(id) });
+                operation = Some(Operation::All(all.collect()));
                 ui.close();
             }
             if ui.button("Rename …").clicked() {
@@ -73,9 +77,22 @@ impl Canvas {
                 operation = Some(Operation::PutWires { node: id.clone(), port: port.name.clone(), wires: None });
                 ui.close();
             }
+            if let Some(slider) = model.number_to_slider(&id)
+                && ui.button("Make it a slider").clicked()
+            {
+                operation = Some(slider);
+                ui.close();
+            }
             if let Hit::Input(_, i) | Hit::Value(_, i, _) = hit
                 && let Some(port) = shape.inputs.get(i)
             {
+                let at = [f64::from(shape.rect.left()) - 260.0, f64::from(shape.rect.top())];
+                if let Some(slider) = model.slider_before(&id, &port.name, at)
+                    && ui.button(format!("Put a slider before {}", port.name)).clicked()
+                {
+                    operation = Some(slider);
+                    ui.close();
+                }
                 operation = operation.or(expose(ui, model, &id, &port.name, false));
             }
             if let Hit::Output(_, o) = hit
@@ -106,6 +123,12 @@ impl Canvas {
                 model.message = model.gather().err();
                 ui.close();
             }
+            if model.document().nodes().get(&id).is_some_and(|n| n.type_name == "value_list")
+                && ui.button("Edit the entries …").clicked()
+            {
+                self.entries = Some(Entries::new(id.clone()));
+                ui.close();
+            }
             if let Some(cluster) = model.document().nodes().get(&id).and_then(Node::cluster).map(str::to_owned) {
                 cluster_menu(ui, model, &id, &cluster);
             }
@@ -123,7 +146,8 @@ impl Canvas {
 /// What can be done with an instance of a cluster.
 fn cluster_menu(ui: &mut Ui, model: &mut Model, id: &str, cluster: &str) {
     let linked = matches!(model.whole().clusters.get(cluster), Some(Cluster::File(_)));
-    if !linked && ui.button("Enter the cluster").clicked() {
+    let words = if linked { "Look into the cluster" } else { "Enter the cluster" };
+    if ui.button(words).clicked() {
         model.message = model.enter(id).err();
         ui.close();
     }

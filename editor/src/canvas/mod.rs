@@ -10,16 +10,20 @@ mod input;
 mod menu;
 mod paint;
 mod shape;
+mod sheet;
 mod tip;
 mod view;
+mod wiring;
 
 pub use finder::Finder;
-pub use groups::group;
-pub use shape::Shapes;
+pub use groups::{group, ungroup};
+pub use paint::{Strands, strands};
+pub use shape::{Row, Shapes};
 pub use tip::{bytes, value as value_in_short};
 pub use view::View;
 
 use crate::model::Model;
+use crate::panels::entries::Entries;
 use crate::panels::table::Table;
 use crate::theme::Theme;
 use eframe::egui::{self, Id, Rect, Sense, Ui, Vec2, WidgetInfo, WidgetType};
@@ -27,7 +31,7 @@ use gesture::Gesture;
 use hit::Hit;
 use input::Typing;
 use paint::Paint;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 /// The canvas of one window.
 pub struct Canvas {
@@ -35,9 +39,9 @@ pub struct Canvas {
     pub view: View,
     /// What is drawn.
     pub shapes: Shapes,
-    /// Nodes that show all their inputs.
-    unfolded: BTreeSet<String>,
-    folds: u64,
+    /// The first line that sheets show, by node.
+    scrolls: HashMap<String, f32>,
+    entries: Option<Entries>,
     gesture: Gesture,
     typing: Option<Typing>,
     table: Option<Table>,
@@ -58,8 +62,8 @@ impl Default for Canvas {
         Self {
             view: View::default(),
             shapes: Shapes::default(),
-            unfolded: BTreeSet::new(),
-            folds: 0,
+            scrolls: HashMap::new(),
+            entries: None,
             gesture: Gesture::Idle,
             typing: None,
             table: None,
@@ -76,8 +80,8 @@ impl Default for Canvas {
 impl Canvas {
     /// After another graph was opened: places nodes that have none and shows all.
     pub fn opened(&mut self) {
-        self.unfolded.clear();
-        self.folds += 1;
+        self.scrolls.clear();
+        self.entries = None;
         self.typing = None;
         self.table = None;
         self.finder = None;
@@ -99,13 +103,13 @@ impl Canvas {
     /// Places nodes that have no place yet.
     fn arrange(&mut self, model: &mut Model) {
         let homeless: BTreeSet<String> =
-            model.document().nodes().keys().filter(|id| model.document().position(id).is_none()).cloned().collect();
+            model.document().nodes().keys().filter(|id| model.position(id).is_none()).cloned().collect();
         if homeless.is_empty() {
             return;
         }
         let all = crate::model::arrange::arrange(model.document(), |id| self.shapes.size(id));
         model.place(all.into_iter().filter(|(id, _)| homeless.contains(id)));
-        self.shapes.update(model, &self.unfolded, self.folds);
+        self.shapes.update(model);
     }
 
     /// Shows the canvas in all the room that `ui` has.
@@ -115,7 +119,7 @@ impl Canvas {
         let id = Id::new("canvas");
         let response = ui.interact(area, id, Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "canvas"));
-        self.shapes.update(model, &self.unfolded, self.folds);
+        self.shapes.update(model);
         if std::mem::take(&mut self.arrange) {
             self.arrange(model);
         }
@@ -127,16 +131,21 @@ impl Canvas {
             }
         }
         self.gestures(ui, &response, model);
-        self.shapes.update(model, &self.unfolded, self.folds);
+        self.shapes.update(model);
         self.paint(ui, area, model);
         self.name_what_is_seen(ui, area, model);
         self.context_menu(&response, model);
-        self.shapes.update(model, &self.unfolded, self.folds);
+        self.shapes.update(model);
         self.typing(ui, area, model);
         if let Some(mut table) = self.table.take()
             && table.window(ui, area, model)
         {
             self.table = Some(table);
+        }
+        if let Some(mut entries) = self.entries.take()
+            && entries.window(ui, area, model)
+        {
+            self.entries = Some(entries);
         }
         self.find(ui, area, model);
     }
@@ -144,7 +153,8 @@ impl Canvas {
     fn paint(&self, ui: &Ui, area: Rect, model: &Model) {
         let offset = self.gesture.offset().unwrap_or(Vec2::ZERO);
         let painter = ui.painter_at(area);
-        let p = Paint { painter, area, view: self.view, theme: Theme::of(ui), model, offset };
+        let (scrolls, copies) = (&self.scrolls, self.gesture.copies());
+        let p = Paint { painter, area, view: self.view, theme: Theme::of(ui), model, offset, scrolls, copies };
         p.grid();
         groups::paint(&p, &self.shapes);
         p.wires(&self.shapes);
@@ -177,7 +187,7 @@ impl Canvas {
         for shape in self.shapes.nodes.iter().filter(|s| s.rect.intersects(seen)) {
             let id = Id::new(("node", &shape.id));
             let mut header = shape.rect;
-            if shape.kind == shape::Kind::Node {
+            if matches!(shape.kind, shape::Kind::Node | shape::Kind::Sheet) {
                 header.set_height(shape::HEADER);
             }
             let rect = self.view.rect_to_screen(area, header).intersect(area);
@@ -185,6 +195,13 @@ impl Canvas {
             node.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("node {}", shape.id)));
             if self.gesture.is_idle() {
                 node.on_hover_ui(|ui| tip::node(ui, model, shape));
+            }
+            if let Some(badge) = paint::badge(shape, model) {
+                let rect = self.view.rect_to_screen(area, badge).intersect(area);
+                let response = ui.interact(rect, Id::new(("badge", &shape.id)), Sense::hover());
+                response
+                    .widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("problems of {}", shape.id)));
+                response.on_hover_ui(|ui| tip::problems(ui, model, shape));
             }
             if self.view.zoom < 0.45 || shape.kind == shape::Kind::Note {
                 continue;
@@ -196,7 +213,7 @@ impl Canvas {
                     shape::Row::More(_) => (format!("inputs of {}", shape.id), usize::MAX, false),
                 };
                 let mut rect = shape.row_rect(r);
-                if shape.kind == shape::Kind::Reroute {
+                if matches!(shape.kind, shape::Kind::Reroute | shape::Kind::Sheet) {
                     let half = rect.width() / 2.0;
                     if output { rect.min.x += half } else { rect.max.x -= half }
                 }
@@ -218,12 +235,22 @@ impl Canvas {
         [f64::from(p.x), f64::from(p.y)]
     }
 
-    /// Opens or folds the inputs of a node.
-    fn fold(&mut self, id: &str) {
-        if !self.unfolded.remove(id) {
-            self.unfolded.insert(id.to_owned());
+    /// Where the pointer is on the canvas, if it is over it.
+    #[must_use]
+    pub fn pointer(&self, ui: &Ui) -> Option<[f64; 2]> {
+        let at = ui.input(|i| i.pointer.latest_pos()).filter(|at| self.area.contains(*at))?;
+        let p = self.view.to_canvas(self.area, at);
+        Some([f64::from(p.x), f64::from(p.y)])
+    }
+
+    /// Opens the field in which the one selected node, or the group whose nodes are selected, is named.
+    pub fn rename(&mut self, model: &Model) {
+        let group = groups::of_selection(model).map(|name| Typing::title(name, model));
+        let node = model.selection.first().filter(|_| model.selection.len() == 1).cloned();
+        let named = node.map(Typing::rename).or(group);
+        if named.is_some() {
+            self.typing = named;
         }
-        self.folds += 1;
     }
 
     /// Opens the finder in the middle of what is seen, or at the pointer.
@@ -238,7 +265,7 @@ impl Canvas {
         match finder.show(ui, area, model) {
             finder::Found::Open => self.finder = Some(finder),
             finder::Found::Closed => {}
-            finder::Found::Type(name) => finder.add(model, &name, view::snap(at), &self.shapes),
+            finder::Found::Chosen(offer) => finder.add(model, &offer, view::snap(at), &self.shapes),
         }
     }
 
@@ -249,6 +276,8 @@ impl Canvas {
             && typing.show(ui, place, area, model, self.view.zoom)
         {
             self.typing = Some(typing);
+        } else if typing.entries {
+            self.entries = Some(Entries::new(typing.node().to_owned()));
         }
     }
 

@@ -6,7 +6,8 @@ use crate::model::Model;
 use crate::model::param::{Widget, shown};
 use crate::theme::{self, Theme};
 use eframe::egui::epaint::CubicBezierShape;
-use eframe::egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
+use eframe::egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, Vec2, pos2, vec2};
+use std::collections::HashMap;
 use tenon_engine::{Happened, NodeState, Severity};
 
 /// Below this scale no text is drawn in rows, and below the second none at all.
@@ -28,16 +29,28 @@ pub struct Paint<'a> {
     /// What is worked on.
     pub model: &'a Model,
     /// Moves selected nodes while they are dragged.
-    pub offset: eframe::egui::Vec2,
+    pub offset: Vec2,
+    /// The first line that sheets show, by node.
+    pub scrolls: &'a HashMap<String, f32>,
+    /// It is copies that are dragged: the nodes are seen where they stay, too.
+    pub copies: bool,
+}
+
+/// Where the number of things that are wrong stands at a node, canvas points; none if nothing is. What is only noted, such
+/// as what keeps a node from running, stands in the header.
+pub fn badge(shape: &Shape, model: &Model) -> Option<Rect> {
+    model.results.worst(&model.path_of(&shape.id)).filter(|(worst, _)| worst.severity >= Severity::Warning)?;
+    let size = vec2(18.0, 16.0);
+    Some(Rect::from_center_size(pos2(shape.rect.right() - 6.0, shape.rect.top()), size))
 }
 
 impl Paint<'_> {
-    fn scaled(&self, size: f32) -> f32 {
+    pub(super) fn scaled(&self, size: f32) -> f32 {
         size * self.view.zoom
     }
 
     /// Steps of half a point, so that zooming does not fill the atlas of glyphs.
-    fn font(&self, size: f32) -> FontId {
+    pub(super) fn font(&self, size: f32) -> FontId {
         FontId::proportional(((self.scaled(size) * 2.0).round() / 2.0).max(1.0))
     }
 
@@ -92,16 +105,7 @@ impl Paint<'_> {
             };
             let colour = theme::type_colour(type_name);
             let colour = if chosen { colour } else { colour.gamma_multiply(0.55) };
-            self.wire(start, end, colour, self.strands(wire));
-        }
-    }
-
-    /// One line for an item, two for a list, two broken ones for a tree.
-    fn strands(&self, wire: &Wire) -> Strands {
-        match self.model.value(&wire.from) {
-            Some(tree) if tree.branches().len() > 1 => Strands::Tree,
-            Some(tree) if tree.len() > 1 => Strands::List,
-            _ => Strands::Item,
+            self.wire(start, end, colour, strands(self.model, wire));
         }
     }
 
@@ -141,6 +145,10 @@ impl Paint<'_> {
 
     /// All nodes that are seen; selected ones last, so that they lie on top.
     pub fn nodes(&self, shapes: &Shapes, wanted: Wanted<'_>) {
+        if self.copies {
+            let stay = Paint { painter: self.painter.clone(), offset: Vec2::ZERO, copies: false, ..*self };
+            stay.nodes(shapes, wanted);
+        }
         let seen = self.view.seen(self.area).expand(20.0);
         for on_top in [false, true] {
             for shape in &shapes.nodes {
@@ -157,10 +165,23 @@ impl Paint<'_> {
             Kind::Node => {}
             Kind::Note => return self.note(shape, rect),
             Kind::Reroute => return self.reroute(shape, rect, wanted),
+            Kind::Sheet => {
+                let first = self.scrolls.get(&shape.id).copied().unwrap_or_default();
+                self.sheet(shape, rect, first, self.view.zoom < DETAIL[1]);
+                if self.view.zoom >= DETAIL[0] {
+                    let shift = self.moved(shape).min - shape.rect.min;
+                    let item =
+                        self.model.value(&format!("{}.data", shape.id)).map_or("any", tenon_engine::Tree::type_name);
+                    self.dot(self.at(shape.input(0) + shift), item, wanted.map(|w| w(shape, false, 0)));
+                    self.dot(self.at(shape.output(0) + shift), item, wanted.map(|w| w(shape, true, 0)));
+                }
+                return self.problems(shape);
+            }
         }
         let radius = CornerRadius::same(self.scaled(6.0).clamp(0.0, 18.0) as u8);
         let worst = self.model.results.worst(&self.model.path_of(&shape.id)).map(|(d, _)| d.severity);
         let off = shape.state == NodeState::Disabled;
+        let hidden = self.hidden(shape);
         let fill = if off { self.theme.node.gamma_multiply(0.6) } else { self.theme.node };
         self.painter.rect_filled(rect, radius, fill);
         let header = Rect::from_min_max(rect.min, pos2(rect.right(), rect.top() + self.scaled(HEADER)));
@@ -170,6 +191,7 @@ impl Paint<'_> {
             Some(Severity::Warning) => self.theme.warning,
             _ if off || shape.state == NodeState::Bypassed => self.theme.faint,
             _ if shape.state == NodeState::Frozen => self.theme.frozen,
+            _ if hidden => self.theme.header.lerp_to_gamma(self.theme.node, 0.5),
             _ => theme::category_colour(&shape.info.category, &self.theme),
         };
         self.painter.rect_filled(header, top, bar);
@@ -184,6 +206,28 @@ impl Paint<'_> {
             for (r, row) in shape.rows.iter().enumerate() {
                 self.row(shape, r, row, wanted);
             }
+        }
+        self.problems(shape);
+    }
+
+    /// Whether a node makes something that could be seen and is told not to show it.
+    fn hidden(&self, shape: &Shape) -> bool {
+        let seen = |p: &crate::model::catalog::PortInfo| crate::scene::VISIBLE.contains(&p.type_name.as_str());
+        !self.model.previews(&shape.id) && shape.outputs.iter().any(seen)
+    }
+
+    /// How many things are wrong with a node.
+    fn problems(&self, shape: &Shape) {
+        let Some((worst, count)) = self.model.results.worst(&self.model.path_of(&shape.id)) else { return };
+        let Some(place) = badge(shape, self.model).filter(|_| self.view.zoom >= DETAIL[1]) else { return };
+        let shift = self.moved(shape).min - shape.rect.min;
+        let rect = self.view.rect_to_screen(self.area, place.translate(shift));
+        let colour = if worst.severity == Severity::Error { self.theme.error } else { self.theme.warning };
+        let radius = CornerRadius::same((rect.height() / 2.0).clamp(0.0, 30.0) as u8);
+        self.painter.rect(rect, radius, colour, Stroke::new(1.0, self.theme.canvas), StrokeKind::Outside);
+        if self.view.zoom >= DETAIL[0] {
+            let words = if count > 99 { "99+".to_owned() } else { count.to_string() };
+            self.painter.text(rect.center(), Align2::CENTER_CENTER, words, self.font(10.0), theme::ink_on(colour));
         }
     }
 
@@ -232,7 +276,7 @@ impl Paint<'_> {
         let inside = header.shrink2(vec2(self.scaled(8.0), 0.0));
         let painter = self.painter.with_clip_rect(inside.intersect(self.painter.clip_rect()));
         painter.text(inside.left_center(), Align2::LEFT_CENTER, &shape.id, self.font(14.0), ink);
-        let badge = match (shape.state, self.model.results.nodes.get(&*self.model.path_of(&shape.id))) {
+        let state = match (shape.state, self.model.results.nodes.get(&*self.model.path_of(&shape.id))) {
             (NodeState::Disabled, _) => "off".to_owned(),
             (NodeState::Frozen, _) => "frozen".to_owned(),
             (NodeState::Bypassed, _) => "bypassed".to_owned(),
@@ -243,6 +287,7 @@ impl Paint<'_> {
             },
             _ => String::new(),
         };
+        let badge = if self.hidden(shape) { format!("hidden  {state}") } else { state };
         let size = self.painter.layout_no_wrap(badge.clone(), self.font(10.0), ink).size();
         let room = Rect::from_min_max(pos2(inside.right() - size.x - 4.0, header.top()), header.max);
         self.painter.rect_filled(room.shrink(1.0), 0.0, bar);
@@ -320,6 +365,13 @@ impl Paint<'_> {
         let name_width = self.painter.layout_no_wrap(name.to_owned(), self.font(12.0), self.theme.text).size().x;
         let mut room = inside.shrink2(vec2(self.scaled(3.0), 0.0));
         room.min.x = (room.min.x + name_width + self.scaled(6.0)).min(room.max.x);
+        if matches!(widget, Widget::Choice(_)) {
+            // It opens downwards.
+            let (centre, r) = (pos2(room.right() - self.scaled(5.0), room.center().y), self.scaled(3.5));
+            let corners = vec![centre + vec2(-r, -r * 0.6), centre + vec2(r, -r * 0.6), centre + vec2(0.0, r * 0.8)];
+            self.painter.add(eframe::egui::Shape::convex_polygon(corners, self.theme.faint_text, Stroke::NONE));
+            room.max.x = (room.max.x - self.scaled(13.0)).max(room.min.x);
+        }
         let galley = self.painter.layout_no_wrap(value, self.font(12.0), self.theme.value);
         // Too long a value is seen from its start.
         let x = (room.right() - galley.size().x).max(room.left());
@@ -354,6 +406,16 @@ impl Paint<'_> {
         let frame = Rect::from_min_max(place(seen.min), place(seen.max));
         painter.rect_stroke(frame, 0.0, Stroke::new(1.0, self.theme.text), StrokeKind::Inside);
         Some((map, bounds))
+    }
+}
+
+/// One line for an item, two for a list, two broken ones for a tree.
+#[must_use]
+pub fn strands(model: &Model, wire: &Wire) -> Strands {
+    match model.value(&wire.from) {
+        Some(tree) if tree.branches().len() > 1 => Strands::Tree,
+        Some(tree) if tree.len() > 1 => Strands::List,
+        _ => Strands::Item,
     }
 }
 

@@ -4,7 +4,7 @@ use crate::model::Model;
 use crate::model::catalog::{Catalog, PortInfo, TypeInfo};
 use crate::model::param::{self, Widget};
 use eframe::egui::{Pos2, Rect, Vec2, pos2, vec2};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 use std::sync::Arc;
 use tenon_engine::{InterfaceInput, Literal, Node, NodeState};
 
@@ -16,6 +16,8 @@ pub const HEADER: f32 = 26.0;
 pub const ROW: f32 = 20.0;
 /// Width of a note.
 pub const NOTE: f32 = 230.0;
+/// Size of a sheet that shows data.
+pub const SHEET: Vec2 = vec2(230.0, 176.0);
 /// Room below the last row.
 pub const FOOT: f32 = 6.0;
 
@@ -28,6 +30,8 @@ pub enum Kind {
     Note,
     /// As a point that wires are led through.
     Reroute,
+    /// As a sheet with what a wire brings.
+    Sheet,
 }
 
 /// One row of a node.
@@ -66,8 +70,10 @@ impl Shape {
     /// The middle of a row.
     #[must_use]
     pub fn row_y(&self, row: usize) -> f32 {
-        if self.kind == Kind::Reroute {
-            return self.rect.center().y;
+        match self.kind {
+            Kind::Reroute => return self.rect.center().y,
+            Kind::Sheet => return self.rect.top() + HEADER / 2.0,
+            Kind::Node | Kind::Note => {}
         }
         self.rect.top() + HEADER + (row as f32 + 0.5) * ROW
     }
@@ -75,8 +81,10 @@ impl Shape {
     /// The area of a row.
     #[must_use]
     pub fn row_rect(&self, row: usize) -> Rect {
-        if self.kind != Kind::Node {
-            return self.rect;
+        match self.kind {
+            Kind::Reroute | Kind::Note => return self.rect,
+            Kind::Sheet => return Rect::from_min_size(self.rect.min, vec2(self.rect.width(), HEADER)),
+            Kind::Node => {}
         }
         let top = self.rect.top() + HEADER + row as f32 * ROW;
         Rect::from_min_size(pos2(self.rect.left(), top), vec2(self.rect.width(), ROW))
@@ -120,7 +128,7 @@ pub struct Shapes {
     /// Wires in order of the nodes that they go to.
     pub wires: Vec<Wire>,
     number: HashMap<String, usize>,
-    made_for: Option<(u64, u64)>,
+    made_for: Option<u64>,
 }
 
 impl Shapes {
@@ -136,13 +144,12 @@ impl Shapes {
         self.nodes.iter().map(|s| s.rect).reduce(Rect::union)
     }
 
-    /// Brings all up to the document, if it has changed; `unfolded` are nodes that show all inputs, and `folds` counts
-    /// its changes. O(nodes + wires).
-    pub fn update(&mut self, model: &Model, unfolded: &BTreeSet<String>, folds: u64) {
-        if self.made_for == Some((model.revision(), folds)) {
+    /// Brings all up to the document, if it has changed. O(nodes + wires).
+    pub fn update(&mut self, model: &Model) {
+        if self.made_for == Some(model.revision()) {
             return;
         }
-        self.made_for = Some((model.revision(), folds));
+        self.made_for = Some(model.revision());
         let document = model.document();
         let mut bound: HashMap<&str, &InterfaceInput> = HashMap::new();
         for input in document.inputs.values() {
@@ -152,10 +159,10 @@ impl Shapes {
         self.number.clear();
         for (id, node) in document.nodes() {
             self.number.insert(id.clone(), self.nodes.len());
-            let at = document.position(id).unwrap_or_default().map(|v| v as f32);
+            let at = model.position(id).unwrap_or_default().map(|v| v as f32);
             let info = model.catalog.of(node);
             let range = |port: &str| bound.get(format!("{id}.{port}").as_str()).copied();
-            self.nodes.push(shape(id, node, info, pos2(at[0], at[1]), unfolded.contains(id), range));
+            self.nodes.push(shape(id, node, info, pos2(at[0], at[1]), document.look(id).open, range));
         }
         self.wires.clear();
         for (id, node) in document.nodes() {
@@ -187,6 +194,20 @@ impl Shapes {
         Some((n, shape.outputs.len() - 1))
     }
 
+    /// Both ends of all wires of a port. O(wires).
+    pub fn wires_at<'a>(&'a self, n: usize, port: &'a str, output: bool) -> impl Iterator<Item = (Pos2, Pos2)> + 'a {
+        let named = move |ports: &[PortInfo], p: usize| ports.get(p).is_some_and(|info| info.name == port);
+        let is_at = move |w: &&Wire| match (output, w.source) {
+            (true, Some((s, o))) => s == n && named(&self.nodes[s].outputs, o),
+            (true, None) => false,
+            (false, _) => w.to == n && named(&self.nodes[n].inputs, w.port),
+        };
+        self.wires.iter().filter(is_at).filter_map(|w| {
+            let (s, o) = w.source?;
+            Some((self.nodes[s].output(o), self.nodes[w.to].input(w.port)))
+        })
+    }
+
     /// How large a node would be, for arranging.
     #[must_use]
     pub fn size(&self, id: &str) -> [f64; 2] {
@@ -200,11 +221,12 @@ fn shape<'a>(
     node: &Node,
     info: Arc<TypeInfo>,
     at: Pos2,
-    unfolded: bool,
+    open: bool,
     bound: impl Fn(&str) -> Option<&'a InterfaceInput>,
 ) -> Shape {
     let mut rows: Vec<Row> = (0..info.outputs.len()).map(Row::Output).collect();
-    let (inputs, outputs) = (info.inputs.clone(), info.outputs.clone());
+    let inputs: Vec<PortInfo> = info.inputs.iter().map(|p| param::at(node, p, bound(&p.name))).collect();
+    let outputs = info.outputs.clone();
     let whole = |kind, size, rows| Shape {
         id: id.to_owned(),
         kind,
@@ -221,32 +243,49 @@ fn shape<'a>(
             rows.push(Row::Input(0, None));
             return whole(Kind::Reroute, vec2(28.0, 18.0), rows);
         }
+        "text_panel" => {
+            rows.push(Row::Input(0, None));
+            return whole(Kind::Sheet, SHEET, rows);
+        }
         _ => {}
     }
-    let mut folded = 0;
-    for (p, port) in info.inputs.iter().enumerate() {
+    let (mut folded, one) = (0, shows_one(node));
+    for (p, port) in inputs.iter().enumerate() {
         let wired = node.inputs.get(&port.name).is_some_and(|w| !w.from.is_empty());
         let set = node.params.contains_key(&port.name);
         let needed = port.default.is_none() && !port.optional;
         let few = info.inputs.len() <= 3;
-        if !(wired || set || needed || unfolded || few || bound(&port.name).is_some()) {
+        let says = match one {
+            Some(name) => port.name == name,
+            None => set || needed || few,
+        };
+        if !(wired || says || open || bound(&port.name).is_some()) {
             folded += 1;
             continue;
         }
         let widget = (!wired).then(|| {
             let set = node.params.get(&port.name).map(Literal::json);
-            param::widget(port, set.as_deref(), bound(&port.name))
+            param::widget(port, set.as_deref())
         });
         rows.push(Row::Input(p, widget));
     }
     if folded > 0 {
         rows.push(Row::More(folded));
-    } else if unfolded && info.inputs.len() > 3 {
+    } else if open && (info.inputs.len() > 3 || one.is_some()) {
         rows.push(Row::More(0));
     }
     let size = vec2(WIDTH, HEADER + rows.len() as f32 * ROW + FOOT);
     let (id, rect) = (id.to_owned(), Rect::from_min_size(at, size));
     Shape { id, kind: Kind::Node, rect, rows, state: node.state, inputs, outputs, info }
+}
+
+/// The one input that a node is there for: what else is set shows when it is unfolded.
+fn shows_one(node: &Node) -> Option<&'static str> {
+    match node.type_name.as_str() {
+        "slider" | "integer_slider" => Some("value"),
+        "value_list" => Some("chosen"),
+        _ => None,
+    }
 }
 
 /// The text of a note.

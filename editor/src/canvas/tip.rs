@@ -4,7 +4,7 @@ use super::shape::Shape;
 use crate::model::Model;
 use crate::theme;
 use eframe::egui::{RichText, Ui};
-use tenon_engine::{Access, Tree};
+use tenon_engine::{Access, Severity, Tree};
 
 /// The lines for a node.
 pub fn node(ui: &mut Ui, model: &Model, shape: &Shape) {
@@ -17,15 +17,33 @@ pub fn node(ui: &mut Ui, model: &Model, shape: &Shape) {
     if let Some(r) = model.results.nodes.get(&*model.path_of(&shape.id)) {
         ui.weak(format!("{} in {}, {}", r.happened.as_str(), theme::duration(r.time), bytes(r.bytes)));
     }
-    if let Some((worst, count)) = model.results.worst(&model.path_of(&shape.id)) {
+    if !model.previews(&shape.id) {
+        ui.weak("not shown in the viewport; Ctrl+Q shows it");
+    }
+    if model.results.worst(&model.path_of(&shape.id)).is_some() {
         ui.separator();
-        ui.colored_label(theme::Theme::of(ui).error, &worst.message);
-        if let Some(hint) = &worst.hint {
+        problems(ui, model, shape);
+    }
+}
+
+/// What is wrong with a node, the worst first.
+pub fn problems(ui: &mut Ui, model: &Model, shape: &Shape) {
+    const MOST: usize = 6;
+    ui.set_max_width(380.0);
+    let theme = theme::Theme::of(ui);
+    let path = model.path_of(&shape.id);
+    for d in model.results.of_node(&path).take(MOST) {
+        let colour = if d.severity == Severity::Error { theme.error } else { theme.warning };
+        let port = d.port.as_ref().map(|p| format!("{p}: ")).unwrap_or_default();
+        let item = d.item.map(|i| format!("item {i}: ")).unwrap_or_default();
+        ui.colored_label(colour, format!("{port}{item}{}", d.message));
+        if let Some(hint) = &d.hint {
             ui.label(&**hint);
         }
-        if count > 1 {
-            ui.weak(format!("and {} more", count - 1));
-        }
+    }
+    let rest = model.results.of_node(&path).count().saturating_sub(MOST);
+    if rest > 0 {
+        ui.weak(format!("and {rest} more, under errors in the status line"));
     }
 }
 

@@ -18,6 +18,10 @@ pub struct PortInfo {
     pub unit: String,
     /// Smallest and largest number accepted.
     pub range: Option<(f64, f64)>,
+    /// A person has set the range.
+    pub chosen: bool,
+    /// By how much it slides; 0: nobody has said.
+    pub step: f64,
     /// The literal used without wire and parameter.
     pub default: Option<Json>,
     /// The texts accepted; empty: all.
@@ -84,6 +88,8 @@ fn port(port: &tenon_engine::Port) -> PortInfo {
         access: port.access(),
         unit: text(&json, "unit"),
         range: number("min").zip(number("max")),
+        chosen: false,
+        step: 0.0,
         default: json.get("default").cloned(),
         choices: texts(&json, "choices"),
         optional: flag(&json, "optional"),
@@ -161,6 +167,8 @@ impl Catalog {
             access: Access::Tree,
             unit: String::new(),
             range: None,
+            chosen: false,
+            step: 0.0,
             default: None,
             choices: Vec::new(),
             optional: true,
@@ -173,6 +181,22 @@ impl Catalog {
     #[must_use]
     pub fn fits(&self, from: &str, to: &str) -> bool {
         from == to || from == "any" || to == "any" || self.conversions.contains(&(from.to_owned(), to.to_owned()))
+    }
+
+    /// The port that a wire does best with among those that it fits: of its own type rather than by conversion, and that rather
+    /// than of any type; one that waits for something rather than one that has it already. `waits` says so of a port by
+    /// its number. O(ports).
+    #[must_use]
+    pub fn best(&self, wire: &str, output: bool, ports: &[PortInfo], waits: impl Fn(usize) -> bool) -> Option<usize> {
+        let fits = |p: &PortInfo| if output { self.fits(wire, &p.type_name) } else { self.fits(&p.type_name, wire) };
+        let far = |p: &PortInfo| match (p.type_name == wire, p.type_name == "any" || wire == "any") {
+            (true, _) => 0,
+            (_, false) => 1,
+            (_, true) => 2,
+        };
+        let needed = |p: &PortInfo| p.default.is_none() && !p.optional;
+        let fitting = ports.iter().enumerate().filter(|(_, p)| fits(p));
+        fitting.min_by_key(|(i, p)| (!waits(*i), far(p), !needed(p), *i)).map(|(i, _)| i)
     }
 
     /// Node types by how well they fit what was typed, the best first; all of them for an empty text. `like` keeps only
@@ -192,12 +216,23 @@ impl Catalog {
     }
 }
 
-/// How far a type is from what was typed; lower is better, `None` if it has nothing of it.
+/// How far a type is from what was typed; lower is better, `None` if it has nothing of it. As one, else word by word: then
+/// each of them must be somewhere.
 fn rank(t: &TypeInfo, typed: &str) -> Option<u32> {
     if typed.is_empty() {
         return Some(0);
     }
-    let (title, name) = (t.title.to_lowercase(), t.type_name.to_lowercase());
+    let whole = rank_word(t, typed);
+    let words = || typed.split_whitespace().map(|word| rank_word(t, word)).sum::<Option<u32>>();
+    whole.or_else(|| words().map(|sum| LAST + sum))
+}
+
+/// What is farther than any rank of one word.
+const LAST: u32 = 10;
+
+fn rank_word(t: &TypeInfo, typed: &str) -> Option<u32> {
+    let (title, name, category) = (t.title.to_lowercase(), t.type_name.to_lowercase(), t.category.to_lowercase());
+    let keywords: Vec<String> = t.keywords.iter().map(|k| k.to_lowercase()).collect();
     if title == typed || name == typed {
         return Some(0);
     }
@@ -207,17 +242,27 @@ fn rank(t: &TypeInfo, typed: &str) -> Option<u32> {
     if title.contains(typed) || name.contains(typed) {
         return Some(2);
     }
-    if t.keywords.iter().any(|k| k.to_lowercase().contains(typed)) {
+    if keywords.iter().any(|k| k.starts_with(typed)) {
         return Some(3);
     }
-    if t.category.to_lowercase().contains(typed) {
+    if keywords.iter().any(|k| k.contains(typed)) {
         return Some(4);
     }
-    let mut letters = title.chars();
-    if typed.chars().filter(|c| !c.is_whitespace()).all(|c| letters.any(|l| l == c)) {
+    if category.contains(typed) {
         return Some(5);
     }
-    t.doc.to_lowercase().contains(typed).then_some(6)
+    // Letters in order, as one types in a hurry.
+    let within = |text: &str| {
+        let mut letters = text.chars();
+        typed.chars().filter(|c| !c.is_whitespace()).all(|c| letters.any(|l| l == c))
+    };
+    if within(&title) || within(&name) {
+        return Some(6);
+    }
+    if typed.chars().count() > 2 && (keywords.iter().any(|k| within(k)) || within(&category)) {
+        return Some(7);
+    }
+    t.doc.to_lowercase().contains(typed).then_some(8)
 }
 
 #[cfg(test)]
@@ -234,7 +279,27 @@ mod tests {
         assert_eq!(first("thicken").as_deref(), Some("thicken"));
         assert_eq!(first("takagi").as_deref(), Some("ifs_curve"));
         assert_eq!(first("itcrv").as_deref(), Some("ifs_curve"));
+        assert_eq!(first("dxf write").as_deref(), Some("write_dxf"), "words in any order");
+        assert_eq!(first("number slider").as_deref(), Some("slider"), "by keyword");
         assert!(catalog().find("no such thing", |_| true).is_empty());
+        let all = catalog().find("boards", |_| true);
+        assert!(all.iter().any(|t| t.type_name == "pack"), "by category or doc");
+    }
+
+    #[test]
+    fn a_wire_takes_the_port_that_suits_it_best() {
+        let c = catalog();
+        let port = |name: &str, type_name: &str, needed: bool| PortInfo {
+            type_name: type_name.into(),
+            optional: !needed,
+            ..Catalog::unknown_port(name)
+        };
+        let ports = [port("any", "any", true), port("count", "integer", true), port("size", "number", false)];
+        assert_eq!(c.best("number", true, &ports, |_| true), Some(2), "its own type first");
+        assert_eq!(c.best("integer", true, &ports, |_| true), Some(1));
+        assert_eq!(c.best("integer", true, &ports, |i| i != 1), Some(2), "one that waits, by conversion");
+        assert_eq!(c.best("curve", true, &ports, |_| true), Some(0));
+        assert_eq!(c.best("curve", true, &ports[1..], |_| true), None);
     }
 
     #[test]

@@ -1,5 +1,5 @@
 //! Inside clusters: which definition is worked on, seen through which instance. All changes go to the definition; values are
-//! those of the instance.
+//! those of the instance. A definition of another file is only looked at.
 
 use super::Model;
 use super::handle::{self, Handle};
@@ -21,11 +21,69 @@ impl Model {
     /// What stands on the canvas: the graph, or the definition of the cluster that was entered last.
     #[must_use]
     pub fn document(&self) -> &Document {
-        let body = self.inside.last().and_then(|e| self.document.clusters.get(&e.cluster));
-        match body {
-            Some(Cluster::Here(body)) => body,
-            _ => &self.document,
+        self.definition(self.inside.len()).map_or(&self.document, |(body, _)| body)
+    }
+
+    /// The definition that the first so many of the entered clusters lead to, and its file if that is another one.
+    fn definition(&self, depth: usize) -> Option<(&Document, Option<String>)> {
+        self.document.definition(self.inside.iter().take(depth).map(|e| e.cluster.as_str()))
+    }
+
+    /// The file that the definition on the canvas stands in, if it is another one and can only be looked at.
+    #[must_use]
+    pub fn linked(&self) -> Option<String> {
+        self.definition(self.inside.len())?.1
+    }
+
+    /// The top of the file that the definition on the canvas stands in: there are the clusters that it uses.
+    fn table(&self) -> &Document {
+        let path = self.linked();
+        let first = (0..=self.inside.len()).find_map(|d| self.definition(d).filter(|(_, p)| *p == path));
+        first.map_or(&self.document, |(body, _)| body)
+    }
+
+    /// What stands on the canvas with the clusters that it can use beside it.
+    pub(super) fn scope(&self) -> Cow<'_, Document> {
+        let alone = self.inside.last().and_then(|e| self.table().alone(&e.cluster));
+        alone
+            .filter(|_| !std::ptr::eq(self.table(), self.document()))
+            .map_or(Cow::Borrowed(self.document()), Cow::Owned)
+    }
+
+    /// Refuses what would change another file, or put an instance of a cluster into its own definition. O(operation; with
+    /// instances in it also O(clusters)).
+    pub(super) fn check_inside(&self, operation: &Operation) -> Result<(), Diagnostic> {
+        let Some(last) = self.inside.last() else { return Ok(()) };
+        if let Some(file) = self.linked() {
+            let message = format!("the cluster {} stands in {file} and can only be looked at here", last.cluster);
+            let hint = "take it into this file by the button above the canvas";
+            return Err(Diagnostic::error("linked-cluster", message).hint(hint));
         }
+        let instances = operation.parts().filter_map(|o| match o {
+            Operation::AddNode { node, .. } | Operation::PutNode { node: Some(node), .. } => node.cluster(),
+            _ => None,
+        });
+        let mut open: Vec<&str> = instances.collect();
+        let mut seen = std::collections::BTreeSet::new();
+        while let Some(name) = open.pop() {
+            if name == last.cluster {
+                let message = format!("the cluster {name} would contain itself");
+                return Err(Diagnostic::error("cluster-cycle", message));
+            }
+            if !seen.insert(name) {
+                continue;
+            }
+            if let Some(Cluster::Here(body)) = self.document.clusters.get(name) {
+                open.extend(body.nodes().values().filter_map(Node::cluster));
+            }
+        }
+        Ok(())
+    }
+
+    /// Where a node on the canvas stands.
+    #[must_use]
+    pub fn position(&self, id: &str) -> Option<[f64; 2]> {
+        self.document().position(id).or_else(|| self.places.get(id).copied())
     }
 
     /// The whole graph.
@@ -43,22 +101,18 @@ impl Model {
     /// Goes into the cluster that a node on the canvas is an instance of.
     ///
     /// # Errors
-    /// If it is no instance, or the definition is not in this file.
+    /// If it is no instance, or its definition is nowhere.
     pub fn enter(&mut self, id: &str) -> Result<(), Diagnostic> {
         let node = self.document().nodes().get(id);
         let Some(cluster) = node.and_then(Node::cluster).map(str::to_owned) else {
             return Err(Diagnostic::error("no-cluster", format!("{id} is no instance of a cluster")));
         };
-        match self.document.clusters.get(&cluster) {
-            Some(Cluster::Here(_)) => {}
-            Some(Cluster::File(link)) => {
-                let message = format!("the cluster {cluster} stands in {}", link.file);
-                let hint = "open that file, or take the cluster into this one by the menu of its node";
-                return Err(Diagnostic::error("linked-cluster", message).hint(hint));
-            }
-            None => return Err(Diagnostic::error("unknown-cluster", format!("there is no cluster {cluster}"))),
-        }
-        if self.inside.iter().any(|e| e.cluster == cluster) {
+        let names = self.inside.iter().map(|e| e.cluster.as_str()).chain([cluster.as_str()]);
+        let Some((body, _)) = self.document.definition(names) else {
+            let message = format!("there is no cluster {cluster}, or its file could not be read");
+            return Err(Diagnostic::error("unknown-cluster", message));
+        };
+        if (1..=self.inside.len()).any(|d| self.definition(d).is_some_and(|(outer, _)| std::ptr::eq(outer, body))) {
             return Err(Diagnostic::error("cluster-cycle", format!("the cluster {cluster} contains itself")));
         }
         let path = self.path_of(id).into_owned();
@@ -78,8 +132,7 @@ impl Model {
 
     /// Goes out of clusters that are not there any more, as after undoing.
     pub(super) fn leave_what_is_gone(&mut self) {
-        let there = |e: &Entered| matches!(self.document.clusters.get(&e.cluster), Some(Cluster::Here(_)));
-        let depth = self.inside.iter().take_while(|e| there(e)).count();
+        let depth = (0..=self.inside.len()).take_while(|d| self.definition(*d).is_some()).count().saturating_sub(1);
         if depth < self.inside.len() {
             self.inside.truncate(depth);
             self.look_inside();
@@ -89,8 +142,17 @@ impl Model {
     fn look_inside(&mut self) {
         self.selection.clear();
         self.revision += 1;
-        self.worker.look_inside(self.inside.last().cloned());
+        self.places.clear();
+        self.catalog_for_here();
+        self.worker.look_inside(self.inside.clone());
         self.show();
+    }
+
+    /// Takes the clusters that can be used on the canvas into the catalog.
+    pub(super) fn catalog_for_here(&mut self) {
+        let mut catalog = std::mem::take(&mut self.catalog);
+        catalog.take_clusters(self.table(), &self.registry);
+        self.catalog = catalog;
     }
 
     /// The path by which results name a node on the canvas.
@@ -206,9 +268,22 @@ impl Model {
         let inside = std::mem::take(&mut self.inside);
         let done = self.apply(Operation::All(all));
         self.inside = if done.is_ok() { inside } else { before };
-        self.worker.look_inside(self.inside.last().cloned());
+        self.worker.look_inside(self.inside.clone());
         self.show();
         done
+    }
+
+    /// Takes the linked cluster that is being looked at into this file, so that it can be changed.
+    ///
+    /// # Errors
+    /// If what is on the canvas stands in this file already, or its file could not be read.
+    pub fn embed_here(&mut self) -> Result<(), Diagnostic> {
+        let first = (0..self.inside.len()).find(|d| self.definition(d + 1).is_some_and(|(_, path)| path.is_some()));
+        let name = first.and_then(|d| self.inside.get(d)).map(|e| e.cluster.clone()).unwrap_or_default();
+        self.embed(&name)?;
+        self.leave_what_is_gone();
+        self.look_inside();
+        Ok(())
     }
 
     /// Takes the definition of a linked cluster into this file.

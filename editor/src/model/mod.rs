@@ -2,6 +2,7 @@
 //! found. Every change of the document is an operation of the engine's and goes through [`Model::apply`].
 
 pub mod arrange;
+mod arrives;
 pub mod catalog;
 pub mod critical;
 pub mod cut;
@@ -10,6 +11,7 @@ mod export;
 pub mod file;
 pub mod handle;
 pub mod inside;
+mod interface;
 pub mod keep;
 pub mod param;
 pub mod plugins;
@@ -21,7 +23,7 @@ use catalog::Catalog;
 use inside::Entered;
 use plugins::Plugins;
 use results::Results;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -47,8 +49,8 @@ pub struct Model {
     pub results: Results,
     /// Ids of the selected nodes.
     pub selection: BTreeSet<String>,
-    /// Nodes whose preview was switched by hand, with what it was switched to.
-    previews: std::collections::BTreeMap<String, bool>,
+    /// Where nodes stand that are only looked at: those of clusters of other files.
+    places: HashMap<String, [f64; 2]>,
     shown: Vec<String>,
     path: Option<PathBuf>,
     /// Counts changes of the document.
@@ -64,6 +66,8 @@ pub struct Model {
     pub state: Option<PathBuf>,
     /// What went wrong last, for people.
     pub message: Option<Diagnostic>,
+    /// What was done last without being asked in so many words, for people.
+    pub said: Option<String>,
     /// The node and its input that a file is to be chosen for.
     pub wanted_file: Option<(String, String)>,
 }
@@ -85,7 +89,7 @@ impl Model {
             history: History::default(),
             results: Results::default(),
             selection: BTreeSet::new(),
-            previews: std::collections::BTreeMap::new(),
+            places: HashMap::new(),
             shown: Vec::new(),
             path: None,
             revision: 0,
@@ -95,6 +99,7 @@ impl Model {
             keeper: keep::Keeper::default(),
             state: None,
             message: None,
+            said: None,
             wanted_file: None,
         };
         model.take(Document::new(), None);
@@ -144,7 +149,7 @@ impl Model {
         self.inside.clear();
         self.history = History::default();
         self.selection.clear();
-        self.previews.clear();
+        self.places.clear();
         self.results = Results::default();
         self.revision += 1;
         // Nothing is known yet of the graph that was opened, whatever was found of the one before it.
@@ -152,7 +157,7 @@ impl Model {
         // What is shown goes first: asked for afterwards it would stop what has just begun.
         self.shown = Vec::new();
         self.show();
-        self.worker.look_inside(None);
+        self.worker.look_inside(Vec::new());
         self.worker.open(self.registry.clone(), self.document.clone(), host);
         self.note_file();
     }
@@ -213,6 +218,11 @@ impl Model {
 
     /// Puts nodes without a place where `places` says, which is no step of the history.
     pub fn place(&mut self, places: impl IntoIterator<Item = (String, [f64; 2])>) {
+        if self.linked().is_some() {
+            self.places = places.into_iter().collect();
+            self.revision += 1;
+            return;
+        }
         let before = self.document.layout_to_string();
         for (node, to) in places {
             // It is refused only for nodes that are not there.
@@ -231,7 +241,7 @@ impl Model {
     /// An operation on what stands on the canvas, as one on the whole graph.
     fn here(&self, operation: Operation) -> Operation {
         match self.inside.last() {
-            Some(e) => Operation::InCluster { name: e.cluster.clone(), operation: Box::new(operation) },
+            Some(e) => operation.inside(&e.cluster),
             None => operation,
         }
     }
@@ -239,8 +249,9 @@ impl Model {
     /// Changes what stands on the canvas as one step.
     ///
     /// # Errors
-    /// If the operation is refused; then nothing has changed.
+    /// If the operation is refused, or what stands on the canvas is another file's; then nothing has changed.
     pub fn apply(&mut self, operation: Operation) -> Result<(), Diagnostic> {
+        self.check_inside(&operation)?;
         self.apply_to_whole(self.here(operation))
     }
 
@@ -269,9 +280,10 @@ impl Model {
     fn changed(&mut self, operation: Operation) {
         self.revision += 1;
         self.message = None;
+        self.said = None;
         if worker::touches_clusters(&operation) {
-            self.catalog.take_clusters(&self.document, &self.registry);
             self.leave_what_is_gone();
+            self.catalog_for_here();
         }
         let mut selection = std::mem::take(&mut self.selection);
         selection.retain(|id| self.document().nodes().contains_key(id));
@@ -288,6 +300,18 @@ impl Model {
     /// Ends what [`Model::begin`] began.
     pub fn end(&mut self) {
         self.history.commit();
+    }
+
+    /// Ends what [`Model::begin`] began and takes back all that was done since, as if it had never been.
+    pub fn abort(&mut self) {
+        let back = self.history.abandon();
+        if back.parts().next().is_none() {
+            return;
+        }
+        match back.apply(&mut self.document) {
+            Ok(_) => self.changed(back),
+            Err(refused) => self.message = Some(refused),
+        }
     }
 
     /// Takes the last step back; false if there is none.
@@ -368,14 +392,7 @@ impl Model {
     /// since what follows is made of them; everything else that can be seen always.
     #[must_use]
     pub fn previews(&self, id: &str) -> bool {
-        self.previews.get(&*self.path_of(id)).copied().unwrap_or(true)
-    }
-
-    /// Shows or hides what a node makes.
-    pub fn set_preview(&mut self, id: &str, show: bool) {
-        let path = self.path_of(id).into_owned();
-        self.previews.insert(path, show);
-        self.show();
+        self.document().look(id).shown.unwrap_or(true)
     }
 
     /// Tells the worker what the viewport shows, if that has changed. O(nodes + wires).
@@ -395,7 +412,7 @@ impl Model {
                 let address = format!("{id}.{}", port.name);
                 // The points of a curve are seen by the curve.
                 let first = info.outputs.iter().position(|p| crate::scene::VISIBLE.contains(&p.type_name.as_str()));
-                let by_hand = self.previews.contains_key(&*self.path_of(id));
+                let by_hand = document.look(id).shown.is_some();
                 let covered = crate::scene::YIELDS.contains(&port.type_name.as_str())
                     && followed.contains(address.as_str())
                     && !by_hand;
@@ -413,8 +430,9 @@ impl Model {
 
 /// A graph's text and its layout's, which may follow it in one text.
 fn split_layout(text: &str) -> (&str, &str) {
-    match text.rfind("{\n  \"format\": \"tenon-layout\"") {
-        Some(at) => text.split_at(at),
+    // Only the braces around a whole text stand at the start of a line.
+    match text.rfind("\n}\n{\n") {
+        Some(at) => text.split_at(at + 3),
         None => (text, ""),
     }
 }

@@ -1,7 +1,7 @@
 //! Parameters as people set them: which widget an input without a wire gets, and what a typed text becomes in the file.
 
 use super::catalog::PortInfo;
-use tenon_engine::{InterfaceInput, Json};
+use tenon_engine::{InterfaceInput, Json, Literal, Node};
 
 /// How an input without a wire is edited.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +38,8 @@ pub struct Slider {
     pub max: f64,
     /// Whole numbers only.
     pub integer: bool,
+    /// By how much it slides, from the smallest value on; 0: by round parts of the whole way.
+    pub step: f64,
 }
 
 impl Slider {
@@ -45,8 +47,18 @@ impl Slider {
     #[must_use]
     pub fn at(&self, along: f64) -> f64 {
         let value = self.min + along.clamp(0.0, 1.0) * (self.max - self.min);
-        let step = if self.integer { 1.0 } else { round_step((self.max - self.min) / 200.0) };
-        ((value / step).round() * step).clamp(self.min, self.max)
+        let (from, step) = if self.step > 0.0 { (self.min, self.step) } else { (0.0, self.by()) };
+        (from + ((value - from) / step).round() * step).clamp(self.min, self.max)
+    }
+
+    /// By how much it slides.
+    #[must_use]
+    pub fn by(&self) -> f64 {
+        match self.step {
+            step if step > 0.0 => step,
+            _ if self.integer => 1.0,
+            _ => round_step((self.max - self.min) / 200.0),
+        }
     }
 
     /// How far along the value lies, 0 to 1.
@@ -67,23 +79,58 @@ pub fn round_step(step: f64) -> f64 {
 }
 
 /// Ranges wider than this get no slider: nothing could be hit on it.
-const WIDEST: f64 = 20_000.0;
+pub const WIDEST: f64 = 20_000.0;
 
-/// The widget of an input: its parameter, else its default. An interface input that is bound to it narrows the range.
+/// An input as its node and an interface input that is bound to it make it: ends, step and unit that a person has set, the
+/// entries of a value list.
 #[must_use]
-pub fn widget(port: &PortInfo, param: Option<&Json>, bound: Option<&InterfaceInput>) -> Widget {
+pub fn at(node: &Node, port: &PortInfo, bound: Option<&InterfaceInput>) -> PortInfo {
+    let mut port = port.clone();
+    let number = |name: &str, unset: f64| match node.params.get(name).map(Literal::json).as_deref() {
+        Some(json) => json.as_f64(),
+        None => Some(unset),
+    };
+    match (node.type_name.as_str(), port.name.as_str()) {
+        ("slider" | "integer_slider", "value") => {
+            port.range = number("min", 0.0).zip(number("max", 10.0));
+            port.chosen = port.range.is_some();
+            port.step = number("step", 0.0).unwrap_or_default();
+            let unit = node.params.get("unit").map(Literal::to_json);
+            port.unit = unit.as_ref().and_then(Json::as_str).unwrap_or_default().to_owned();
+        }
+        ("value_list", "chosen") => {
+            let names =
+                node.params.get("names").map(Literal::to_json).unwrap_or_else(|| ["one", "two", "three"].into());
+            let names = names.as_array().map_or(&[][..], Vec::as_slice);
+            port.choices = names.iter().filter_map(Json::as_str).map(str::to_owned).collect();
+            port.default = port.choices.first().map(|name| Json::from(name.as_str()));
+        }
+        _ => {}
+    }
+    if let Some(bound) = bound {
+        let (low, high) = port.range.unzip();
+        port.chosen |= bound.min.is_some() && bound.max.is_some();
+        port.range = bound.min.or(low).zip(bound.max.or(high));
+        if let Some(unit) = bound.unit.as_ref().filter(|_| port.unit.is_empty()) {
+            port.unit.clone_from(unit);
+        }
+    }
+    port
+}
+
+/// The widget of an input as [`at`] makes it: its parameter, else its default.
+#[must_use]
+pub fn widget(port: &PortInfo, param: Option<&Json>) -> Widget {
     let Some(json) = param.or(port.default.as_ref()) else { return Widget::Empty };
     let integer = port.type_name == "integer";
     let plain = matches!(port.type_name.as_str(), "number" | "integer" | "any");
     match json {
         Json::Number(n) if plain => {
             let value = n.as_f64().unwrap_or_default();
-            let (low, high) = port.range.unzip();
-            let min = bound.and_then(|b| b.min).or(low);
-            let max = bound.and_then(|b| b.max).or(high);
-            match min.zip(max) {
-                Some((min, max)) if max - min <= WIDEST && (min..=max).contains(&value) && hits(value, min, max) => {
-                    Widget::Slider(Slider { value, min, max, integer })
+            let fits = |min, max| max - min <= WIDEST && (min..=max).contains(&value) && hits(value, min, max);
+            match port.range {
+                Some((min, max)) if max > min && (port.chosen || fits(min, max)) => {
+                    Widget::Slider(Slider { value, min, max, integer, step: port.step })
                 }
                 _ => Widget::Number { value, integer },
             }
@@ -109,6 +156,62 @@ fn in_short(json: &Json) -> String {
         },
         Json::Array(list) if list.len() > 3 => format!("{} values", list.len()),
         other => other.to_string(),
+    }
+}
+
+/// A slider that was typed: `5`, `0..10`, `0..5..10`, `0<5<10`, each with a unit behind it if it has one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Typed {
+    /// Its ends, value and step.
+    pub slider: Slider,
+    /// Sign of its unit; empty for a plain number.
+    pub unit: String,
+}
+
+impl Typed {
+    /// What was typed, if it is a slider. Whole numbers slide by 1, others by one in the last place that was typed.
+    #[must_use]
+    pub fn read(text: &str) -> Option<Self> {
+        let text = text.trim();
+        let figure = |c: char| c.is_ascii_digit() || matches!(c, '.' | '<' | '-' | '+' | ' ');
+        let end = text.char_indices().find(|(_, c)| !figure(*c)).map_or(text.len(), |(i, _)| i);
+        let (figures, unit) = text.split_at(end);
+        let parts: Vec<&str> = figures.split('<').flat_map(|p| p.split("..")).map(str::trim).collect();
+        let numbers: Vec<f64> = parts.iter().map(|p| p.parse().ok()).collect::<Option<_>>()?;
+        let (min, value, max) = match numbers[..] {
+            [value] => {
+                let far = 10f64.powf(value.abs().max(1.0).log10().ceil()).max(10.0);
+                (if value < 0.0 { -far } else { 0.0 }, value, far)
+            }
+            [min, max] => (min, min, max),
+            [min, value, max] => (min, value, max),
+            _ => return None,
+        };
+        let places = parts.iter().map(|p| p.split_once('.').map_or(0, |(_, places)| places.len())).max();
+        let step = 10f64.powi(-i32::try_from(places.unwrap_or(0)).ok()?);
+        let known = unit.is_empty() || tenon_engine::Quantity::unit(unit).is_some();
+        let slider = Slider { value, min, max, integer: false, step };
+        (known && min < max && (min..=max).contains(&value)).then(|| Self { slider, unit: unit.to_owned() })
+    }
+
+    /// The type of the node that is this: one for whole numbers fits inputs of either kind.
+    #[must_use]
+    pub fn type_name(&self) -> &'static str {
+        let s = &self.slider;
+        let whole = [s.value, s.min, s.max, s.step].iter().all(|v| v.fract() == 0.0);
+        if whole && self.unit.is_empty() { "integer_slider" } else { "slider" }
+    }
+
+    /// The parameters of a node of that type that is this.
+    #[must_use]
+    pub fn params(&self) -> Vec<(&'static str, Json)> {
+        let Slider { value, min, max, step, .. } = self.slider;
+        let mut all: Vec<(&'static str, Json)> =
+            [("value", value), ("min", min), ("max", max), ("step", step)].map(|(port, v)| (port, number(v))).into();
+        if !self.unit.is_empty() {
+            all.push(("unit", Json::from(self.unit.as_str())));
+        }
+        all
     }
 }
 
@@ -168,25 +271,60 @@ mod tests {
     #[test]
     fn a_range_makes_a_slider_and_the_interface_narrows_it() {
         let mut bound = InterfaceInput::default();
-        (bound.min, bound.max) = (Some(4.0), Some(30.0));
+        (bound.min, bound.max, bound.unit) = (Some(4.0), Some(30.0), Some("mm".into()));
+        let narrowed = at(&Node::new("thicken"), &port(Some((0.0, 100.0))), Some(&bound));
+        assert_eq!(narrowed.unit, "mm");
         let slider = |w| match w {
             Widget::Slider(s) => Some((s.value, s.min, s.max)),
             _ => None,
         };
-        assert_eq!(slider(widget(&port(Some((0.0, 100.0))), None, None)), Some((10.0, 0.0, 100.0)));
-        assert_eq!(slider(widget(&port(Some((0.0, 100.0))), Some(&json!(12)), Some(&bound))), Some((12.0, 4.0, 30.0)));
-        assert_eq!(widget(&port(None), None, None), Widget::Number { value: 10.0, integer: false });
-        let tiny = widget(&port(Some((0.0, 1000.0))), Some(&json!(1e-6)), None);
+        assert_eq!(slider(widget(&port(Some((0.0, 100.0))), None)), Some((10.0, 0.0, 100.0)));
+        assert_eq!(slider(widget(&narrowed, Some(&json!(12)))), Some((12.0, 4.0, 30.0)));
+        assert_eq!(widget(&port(None), None), Widget::Number { value: 10.0, integer: false });
+        let tiny = widget(&port(Some((0.0, 1000.0))), Some(&json!(1e-6)));
         assert_eq!(tiny, Widget::Number { value: 1e-6, integer: false }, "a slider could not hit it");
-        assert_eq!(widget(&port(None), Some(&json!("2 cm")), None), Widget::Text("2 cm".into()));
+        assert_eq!(widget(&port(None), Some(&json!("2 cm"))), Widget::Text("2 cm".into()));
     }
 
     #[test]
     fn sliders_land_on_round_numbers() {
-        let s = Slider { value: 10.0, min: 4.0, max: 30.0, integer: false };
+        let s = Slider { value: 10.0, min: 4.0, max: 30.0, integer: false, step: 0.0 };
         assert_eq!((s.at(0.0), s.at(1.0), s.at(0.5)), (4.0, 30.0, 17.0));
         assert_eq!((shown(s.at(0.123)).as_str(), shown(1e-6).as_str(), shown(0.0).as_str()), ("7.2", "1e-6", "0"));
         assert_eq!(Slider { integer: true, ..s }.at(0.49), 17.0);
+    }
+
+    #[test]
+    fn a_slider_is_typed_in_a_few_signs() {
+        let read =
+            |text| Typed::read(text).map(|t| (t.slider.min, t.slider.value, t.slider.max, t.slider.step, t.unit));
+        let some = |min, value, max, step, unit: &str| Some((min, value, max, step, unit.to_owned()));
+        assert_eq!(read("5"), some(0.0, 5.0, 10.0, 1.0, ""));
+        assert_eq!(read("120"), some(0.0, 120.0, 1000.0, 1.0, ""));
+        assert_eq!(read("-2.5"), some(-10.0, -2.5, 10.0, 0.1, ""));
+        assert_eq!(read("0..5..10"), some(0.0, 5.0, 10.0, 1.0, ""));
+        assert_eq!(read("0<0.25<1 cm"), some(0.0, 0.25, 1.0, 0.01, "cm"));
+        assert_eq!(read("4 .. 30 mm"), some(4.0, 4.0, 30.0, 1.0, "mm"));
+        for not in ["", "thicken", "5 apples", "9<5<10", "5..5", "1<2<3<4", "mm"] {
+            assert_eq!(read(not), None, "{not}");
+        }
+        let types = ["5", "5.0", "5 mm"].map(|text| Typed::read(text).unwrap().type_name());
+        assert_eq!(types, ["integer_slider", "slider", "slider"]);
+        let slider = Typed::read("0..4..10").unwrap().slider;
+        assert_eq!((slider.at(0.53), slider.by()), (5.0, 1.0));
+        let threes = Slider { value: 1.0, min: 1.0, max: 10.0, integer: false, step: 3.0 };
+        assert_eq!((threes.at(0.3), threes.at(0.5)), (4.0, 7.0), "steps begin at the smallest value");
+    }
+
+    #[test]
+    fn nodes_say_how_their_inputs_are_set() {
+        let slider = Node::new("slider").param("max", 40).param("unit", "cm");
+        let value = at(&slider, &PortInfo { name: "value".into(), ..port(None) }, None);
+        assert_eq!((value.range, value.unit.as_str(), value.chosen), (Some((0.0, 40.0)), "cm", true));
+        assert!(matches!(widget(&value, Some(&json!(1e-6))), Widget::Slider(_)), "a person wants it to be one");
+        let list = Node::new("value_list").param("names", json!(["thin", "thick"]));
+        let chosen = at(&list, &PortInfo { name: "chosen".into(), default: None, ..port(None) }, None);
+        assert_eq!(widget(&chosen, None), Widget::Choice("thin".into()));
     }
 
     #[test]

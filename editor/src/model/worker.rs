@@ -9,8 +9,8 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use tenon_engine::{
-    Cluster, Control, Diagnostic, Document, File, Host, Node, NodeType, Operation, Options, Progress, Registry, Report,
-    Session, Tree,
+    Control, Diagnostic, Document, File, Host, Node, NodeType, Operation, Options, Progress, Registry, Report, Session,
+    Tree,
 };
 
 /// What is shown may take this long before a new edit stops it.
@@ -32,7 +32,7 @@ enum Request {
     Open(Arc<Registry>, Box<Document>, Arc<dyn Host>),
     Edit(Operation),
     Show(Vec<String>),
-    Inside(Option<Entered>),
+    Inside(Vec<Entered>),
     Again,
 }
 
@@ -112,7 +112,7 @@ impl Worker {
                     tell,
                     shared,
                     shown: Vec::new(),
-                    inside: None,
+                    inside: Vec::new(),
                     known: HashMap::new(),
                     outputs: HashMap::new(),
                     seen: 0,
@@ -128,8 +128,8 @@ impl Worker {
         self.send(Request::Open(registry, Box::new(document), host));
     }
 
-    /// Says whose inside is looked at, so that its values are told too.
-    pub fn look_inside(&mut self, inside: Option<Entered>) {
+    /// Says whose inside is looked at, from the outside, so that its values are told too.
+    pub fn look_inside(&mut self, inside: Vec<Entered>) {
         self.send(Request::Inside(inside));
     }
 
@@ -220,7 +220,7 @@ struct Evaluator {
     tell: Tell,
     shared: Arc<Shared>,
     shown: Vec<String>,
-    inside: Option<Entered>,
+    inside: Vec<Entered>,
     /// Drawings by digest of what they show, so that what did not change is not drawn anew.
     known: HashMap<u128, Arc<Drawing>>,
     /// Outputs of clusters, by the type of their instances.
@@ -379,10 +379,9 @@ impl Evaluator {
             }
         };
         take("", session.document().nodes());
-        if let Some(inside) = inside
-            && let Some(Cluster::Here(body)) = session.document().clusters.get(&inside.cluster)
-        {
-            take(&format!("{}/", inside.path), body.nodes());
+        let body = session.document().definition(inside.iter().map(|e| e.cluster.as_str()));
+        if let (Some(last), Some((body, _))) = (inside.last(), body) {
+            take(&format!("{}/", last.path), body.nodes());
         }
         values
     }

@@ -1,15 +1,22 @@
-//! Any value as a table: one row per item, only those that are seen are made. Statistics of numbers; copy as CSV.
+//! The value at any port as a table, one row per item, or as a tree whose branches open and close; only rows that are seen
+//! are made. Statistics of numbers; copy as CSV.
 
 use crate::model::Model;
-use eframe::egui::{ComboBox, RichText, ScrollArea, TextStyle, Ui};
+use crate::model::catalog::PortInfo;
+use eframe::egui::{ComboBox, RichText, ScrollArea, TextStyle, Ui, WidgetInfo, WidgetType};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use tenon_engine::Tree;
 
 /// What is shown.
 #[derive(Default)]
 pub struct DataView {
-    /// `node.port`.
-    port: Option<String>,
+    /// `node.port`, and whether that is an input.
+    port: Option<(String, bool)>,
+    /// Branches stand under their paths.
+    as_tree: bool,
+    /// Branches that are open, by number, of the port that is shown.
+    open: BTreeSet<usize>,
     /// Digest of the value that the statistics are of, and they.
     statistics: Option<(u128, Option<Statistics>)>,
 }
@@ -61,30 +68,42 @@ pub fn csv(tree: &Tree) -> String {
 }
 
 impl DataView {
-    /// Shows the values of the selected node's outputs.
+    /// Shows the values at the selected node's ports.
     pub fn show(&mut self, ui: &mut Ui, model: &Model) {
         let chosen = model.selection.iter().next().filter(|_| model.selection.len() == 1);
         let node = chosen.and_then(|id| Some((id, model.document().nodes().get(id)?)));
         let Some((id, node)) = node else {
-            ui.weak("Select one node to see what it gives.");
+            ui.weak("Select one node to see what it gives and takes.");
             return;
         };
         let info = model.catalog.of(node);
-        let ports: Vec<String> = info.outputs.iter().map(|p| format!("{id}.{}", p.name)).collect();
+        let of = |ports: &[PortInfo], input: bool| -> Vec<(String, bool)> {
+            ports.iter().map(|p| (format!("{id}.{}", p.name), input)).collect()
+        };
+        let ports = [of(&info.outputs, false), of(&info.inputs, true)].concat();
         if !self.port.as_ref().is_some_and(|p| ports.contains(p)) {
             self.port = ports.first().cloned();
+            self.open.clear();
         }
         let Some(port) = self.port.clone() else { return };
-        let tree = model.value(&port);
+        let arrives = port.1.then(|| model.arrives(id, port.0.split_once('.').map_or("", |(_, p)| p))).flatten();
+        let tree = if port.1 { arrives.as_deref() } else { model.value(&port.0) };
+        let words =
+            |(address, input): &(String, bool)| if *input { format!("into {address}") } else { address.clone() };
         ui.horizontal(|ui| {
-            ComboBox::from_id_salt("data-port").selected_text(&port).show_ui(ui, |ui| {
+            let shown = ComboBox::from_id_salt("data-port").selected_text(words(&port)).show_ui(ui, |ui| {
                 for p in &ports {
-                    if ui.selectable_label(*p == port, p).clicked() {
+                    if ui.selectable_label(*p == port, words(p)).clicked() {
                         self.port = Some(p.clone());
+                        self.open.clear();
                     }
                 }
             });
+            let label = || WidgetInfo::labeled(WidgetType::ComboBox, true, "port that is shown");
+            shown.response.widget_info(label);
             let Some(tree) = tree else { return };
+            ui.selectable_value(&mut self.as_tree, false, "Table");
+            ui.selectable_value(&mut self.as_tree, true, "Tree");
             if ui.button("Copy as CSV").clicked() {
                 ui.ctx().copy_text(csv(tree));
             }
@@ -100,6 +119,7 @@ impl DataView {
             None => {
                 ui.weak("There is no value yet.");
             }
+            Some(tree) if self.as_tree => branches(ui, tree, &mut self.open),
             Some(tree) => table(ui, tree),
         }
     }
@@ -120,10 +140,54 @@ fn table(ui: &mut Ui, tree: &Tree) {
             let (Some((path, column)), Some(start)) = (tree.branches().get(b), starts.get(b)) else { continue };
             let i = row - start;
             let item = if column.is_valid(i) { column.summary(i) } else { "(nothing)".to_owned() };
+            let path = path.to_string();
             let line: String = format!("{path:<10} {i:>8}  {item}").chars().take(400).collect();
             ui.label(RichText::new(line).monospace());
         }
     });
+}
+
+/// Branches by their paths, each with its items below it if it is open. O(branches + rows seen).
+fn branches(ui: &mut Ui, tree: &Tree, open: &mut BTreeSet<usize>) {
+    let mut starts = Vec::with_capacity(tree.branches().len());
+    let mut count = 0;
+    for (b, (_, column)) in tree.branches().iter().enumerate() {
+        starts.push(count);
+        count += 1 + if open.contains(&b) { column.len() } else { 0 };
+    }
+    ui.horizontal(|ui| {
+        if ui.small_button("open all").clicked() {
+            *open = (0..tree.branches().len()).collect();
+        }
+        if ui.small_button("close all").clicked() {
+            open.clear();
+        }
+    });
+    let height = ui.spacing().interact_size.y;
+    let mut toggled = None;
+    ScrollArea::both().auto_shrink(false).show_rows(ui, height, count, |ui, rows| {
+        ui.style_mut().wrap_mode = Some(eframe::egui::TextWrapMode::Extend);
+        for row in rows {
+            let b = starts.partition_point(|s| *s <= row).saturating_sub(1);
+            let (Some((path, column)), Some(start)) = (tree.branches().get(b), starts.get(b)) else { continue };
+            let Some(i) = (row - start).checked_sub(1) else {
+                let mark = if open.contains(&b) { "−" } else { "+" };
+                let words = format!("{mark} {path}  {} {}", column.len(), column.type_name());
+                if ui.selectable_label(false, RichText::new(words).monospace()).clicked() {
+                    toggled = Some(b);
+                }
+                continue;
+            };
+            let item = if column.is_valid(i) { column.summary(i) } else { "(nothing)".to_owned() };
+            let line: String = format!("    {i:>8}  {item}").chars().take(400).collect();
+            ui.label(RichText::new(line).monospace());
+        }
+    });
+    if let Some(b) = toggled
+        && !open.remove(&b)
+    {
+        open.insert(b);
+    }
 }
 
 #[cfg(test)]

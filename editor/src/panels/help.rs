@@ -3,26 +3,30 @@
 use eframe::egui::{Grid, ScrollArea, Ui, Window};
 
 const KEYS: &[(&str, &str)] = &[
-    ("double-click on the canvas", "find a node and add it"),
+    ("double-click on the canvas, F4, Ctrl+Space", "find a node and add it; 0<5<10 or 5 is a slider, \"words a text"),
     ("drag from a port", "draw a wire; let go on the canvas: find a node for it"),
     ("Ctrl and drag from an input", "take the last wire off it"),
+    ("Ctrl+Shift and drag from a port", "lead all its wires to another port"),
     ("click, Shift and click, drag a frame", "select nodes; with Alt: draw a line around them"),
     ("double-click a wire", "put a point into it; right-click: remove it"),
     ("drag the title of a group", "move its nodes; double-click: name it; right-click: its colour"),
     ("double-click an instance, or Enter", "enter its cluster; Alt and the left arrow: leave it"),
     ("Ctrl+Q, Ctrl+E, Ctrl+Shift+E", "show or hide, enable or disable, freeze or thaw what is selected"),
-    ("drag a node", "move what is selected"),
+    ("drag a node, arrow keys", "move what is selected; with Alt: copy it; arrows with Shift: by 1 instead of 10"),
+    ("Ctrl and the left or right arrow", "select all that it is made of, or all that follows from it"),
     ("drag a value", "slide it; double-click: type it, or open its table; with Ctrl: type it as the file has it"),
-    ("double-click a node's title", "rename it"),
+    ("double-click a node's title, F2", "rename it, or the group that is selected"),
+    ("wheel over a text panel", "turn its lines"),
     ("right-click a node", "enable, freeze, bypass, disable, show, group …"),
     ("right or middle drag, Space and drag", "move the canvas"),
     ("wheel", "zoom to the pointer, on the canvas and in the viewport"),
     ("Ctrl+Z, Ctrl+Y or Ctrl+Shift+Z", "undo, redo"),
-    ("Ctrl+C, Ctrl+X, Ctrl+V, Ctrl+D", "copy, cut, paste, duplicate"),
+    ("Ctrl+C, Ctrl+X, Ctrl+V, Ctrl+D", "copy, cut, paste at the pointer, duplicate"),
     ("Delete", "delete what is selected"),
-    ("Ctrl+A, Ctrl+G", "select all, group"),
+    ("Ctrl+A, Ctrl+G, Ctrl+Shift+G", "select all, group, ungroup"),
+    ("Ctrl+K, Ctrl+Shift+K", "make a cluster of what is selected, take clusters apart"),
     ("Ctrl+N, Ctrl+O, Ctrl+S, Ctrl+Shift+S", "new, open, save, save as"),
-    ("Esc", "stop the evaluation; then: select nothing"),
+    ("Esc", "give up what is being dragged; else stop the evaluation; then: select nothing"),
     ("F5", "evaluate again"),
     ("drag in the viewport", "turn; with Shift or the middle button: move"),
     (
@@ -30,7 +34,7 @@ const KEYS: &[(&str, &str)] = &[
         "move it in a plane; with X, Y or Z held along that axis, with Shift on a grid of 10 mm",
     ),
     ("click a panel", "select it and its node"),
-    ("F over the viewport", "show all, or what is selected"),
+    ("F over the canvas or the viewport", "show all, or what is selected; Home: all of the canvas"),
 ];
 
 /// Shows the keys in a window while `open`.

@@ -1,5 +1,6 @@
 //! What the selected node is: its doc, every input with its value, every output with what it gives.
 
+use super::examples::{Examples, Shown};
 use crate::model::Model;
 use crate::model::catalog::{PortInfo, TypeInfo};
 use crate::model::param::{self, Widget, number, widget};
@@ -9,18 +10,23 @@ use eframe::egui::{
 };
 use tenon_engine::{Json, Operation};
 
-/// Shows the one selected node, or says what one could do.
-pub fn inspector(ui: &mut Ui, model: &mut Model) {
+/// Shows the one selected node; if none is, the inputs and outputs of the graph.
+pub fn inspector(ui: &mut Ui, model: &mut Model, examples: &mut Examples) -> Option<Shown> {
+    close_what_is_gone(ui, model);
     let mut ids = model.selection.iter();
     let (Some(id), None) = (ids.next().cloned(), ids.next()) else {
-        ui.weak(match model.selection.len() {
-            0 => "Click a node to see its values. Double-click on the canvas to add one. F1 shows the keys.".to_owned(),
-            n => format!("{n} nodes are selected."),
-        });
-        return;
+        match model.selection.len() {
+            0 => {
+                ui.weak("Click a node to see its values. Double-click on the canvas to add one. F1 shows the keys.");
+                super::interface::interface(ui, model);
+            }
+            n => drop(ui.weak(format!("{n} nodes are selected."))),
+        }
+        return None;
     };
-    let Some(node) = model.document().nodes().get(&id).cloned() else { return };
+    let node = model.document().nodes().get(&id).cloned()?;
     let info = model.catalog.of(&node);
+    let mut shown = None;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.strong(&id);
@@ -39,7 +45,9 @@ pub fn inspector(ui: &mut Ui, model: &mut Model) {
             });
         }
         outputs(ui, model, &id, &info);
+        shown = examples.show(ui, &info.type_name);
     });
+    shown
 }
 
 fn note(ui: &mut Ui, model: &mut Model, id: &str, note: Option<&str>) {
@@ -47,7 +55,7 @@ fn note(ui: &mut Ui, model: &mut Model, id: &str, note: Option<&str>) {
     let field =
         TextEdit::singleline(&mut text).hint_text("remark").desired_width(f32::INFINITY).id(Id::new(("note", id)));
     let response = ui.add(field);
-    step_around(model, &response);
+    step_around(ui, model, &response);
     if response.changed() {
         model.edit(Operation::SetNote { node: id.into(), note: Some(text).filter(|t| !t.is_empty()) });
     }
@@ -63,12 +71,31 @@ fn problems(ui: &mut Ui, model: &Model, id: &str) {
     }
 }
 
+/// Where it is kept which widget has an open step.
+fn held() -> Id {
+    Id::new("widget with an open step")
+}
+
 /// Everything between taking a widget and letting it go is one step.
-fn step_around(model: &mut Model, response: &egui::Response) {
-    if response.drag_started() || response.gained_focus() {
+pub(super) fn step_around(ui: &Ui, model: &mut Model, response: &egui::Response) {
+    let now = ui.data(|d| d.get_temp::<Id>(held()));
+    if (response.drag_started() || response.gained_focus()) && now.is_none() {
+        ui.data_mut(|d| d.insert_temp(held(), response.id));
         model.begin();
     }
-    if response.drag_stopped() || response.lost_focus() {
+    if (response.drag_stopped() || response.lost_focus()) && now == Some(response.id) {
+        ui.data_mut(|d| d.remove::<Id>(held()));
+        model.end();
+    }
+}
+
+/// Closes the step of a widget that has gone without being let go, as when another node was selected meanwhile.
+fn close_what_is_gone(ui: &Ui, model: &mut Model) {
+    let Some(id) = ui.data(|d| d.get_temp::<Id>(held())) else { return };
+    let there = ui.ctx().read_response(id).is_some();
+    let busy = ui.memory(|m| m.has_focus(id)) || ui.ctx().is_being_dragged(id);
+    if !(there && busy) {
+        ui.data_mut(|d| d.remove::<Id>(held()));
         model.end();
     }
 }
@@ -80,10 +107,17 @@ fn input(ui: &mut Ui, model: &mut Model, id: &str, port: &PortInfo) {
         ui.weak(format!("from {}", wires.join(", ")));
         return;
     }
+    value(ui, model, id, port);
+}
+
+/// The widget for the value of an input; what is set by it goes to the graph.
+pub(super) fn value(ui: &mut Ui, model: &mut Model, id: &str, port: &PortInfo) {
     let address = format!("{id}.{}", port.name);
+    let Some(node) = model.document().nodes().get(id) else { return };
     let bound = model.document().inputs.values().find(|i| i.ports.contains(&address));
+    let port = &param::at(node, port, bound);
     let set = model.param(id, &port.name);
-    let value = edit(ui, &address, port, &widget(port, set.as_ref(), bound), set.as_ref(), model);
+    let value = edit(ui, &address, port, &widget(port, set.as_ref()), set.as_ref(), model);
     if let Some(value) = value
         && value != set
     {
@@ -106,12 +140,11 @@ fn edit(
         match w {
             Widget::Slider(s) => {
                 let mut value = s.value;
-                let step = if s.integer { 1.0 } else { param::round_step((s.max - s.min) / 200.0) };
-                let slider = Slider::new(&mut value, s.min..=s.max).step_by(step).suffix(&unit);
+                let slider = Slider::new(&mut value, s.min..=s.max).step_by(s.by()).suffix(&unit);
                 // Only a hand may change a value: by itself a slider would round it.
                 let response =
                     ui.add(if s.integer { slider.integer() } else { slider }.clamping(SliderClamping::Edits));
-                step_around(model, &response);
+                step_around(ui, model, &response);
                 if response.changed()
                     && value != s.value
                     && (response.dragged() || response.has_focus() || response.clicked())
@@ -131,7 +164,7 @@ fn edit(
                     field = field.range(min..=max);
                 }
                 let response = ui.add(field);
-                step_around(model, &response);
+                step_around(ui, model, &response);
                 if response.changed() {
                     new = Some(Some(number(value)));
                 }

@@ -1,9 +1,12 @@
-//! Panels around the canvas: what the selected node is, what is wrong, where the time goes, files, keys.
+//! Panels around the canvas: what the selected node is, the graph's inputs and outputs, what is wrong, where the time goes, files, keys.
 
 mod browser;
 mod data;
+pub mod entries;
+pub mod examples;
 mod help;
 mod inspector;
+mod interface;
 mod lower;
 mod pieces;
 pub mod table;

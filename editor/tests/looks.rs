@@ -1,0 +1,202 @@
+//! How nodes and wires look, and what is said of them: previews, folds, badges, tooltips, ports that light up, strands.
+
+use crate::common::{Window, folder, graph};
+use eframe::egui::{Key, Modifiers, PointerButton, vec2};
+use tenon_editor::canvas::{Strands, strands};
+use tenon_engine::{NodeState, Operation};
+
+const SHAPES: &str = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "s": { "type": "series", "v": 1, "params": { "count": 4 } },
+    "one": { "type": "number", "v": 1, "params": { "value": 2 } },
+    "g": { "type": "text_panel", "v": 1, "inputs": { "data": { "from": ["s.numbers"], "tree": ["graft"] } } },
+    "item": { "type": "point", "v": 1, "inputs": { "x": { "from": ["one.value"] } } },
+    "list": { "type": "point", "v": 1, "inputs": { "x": { "from": ["s.numbers"] } } },
+    "tree": { "type": "point", "v": 1, "inputs": { "x": { "from": ["g.data"] } } }
+  }
+}"#;
+
+#[test]
+fn previews_and_folds_are_steps_and_are_kept_with_the_graph() {
+    let path = folder("looks").join("graph.tenon.json");
+    std::fs::write(&path, SHAPES).unwrap();
+    let mut w = Window::open(Some(&path));
+    w.app().model.selection = ["item".to_owned(), "list".to_owned()].into();
+    w.key(Modifiers::COMMAND, Key::Q);
+    assert!(!w.app().model.previews("item") && !w.app().model.previews("list"));
+    assert_eq!(w.app().model.steps(), (1, 0), "one step for both");
+    w.settle();
+    assert!(!w.app().model.results.drawings.contains_key("item.point"));
+    w.picture("hidden");
+    w.key(Modifiers::COMMAND, Key::Z);
+    assert!(w.app().model.previews("item"));
+    w.key(Modifiers::COMMAND, Key::Y);
+    w.app().model.fold("g");
+    w.app().model.save(None).unwrap();
+    assert!(!w.app().model.unsaved());
+    let mut again = Window::open(Some(&path));
+    assert!(!again.app().model.previews("item") && again.app().model.previews("tree"));
+    assert!(again.app().model.document().look("g").open);
+    // A copy looks like what it is of.
+    again.app().model.selection = ["item".to_owned()].into();
+    again.key(Modifiers::COMMAND, Key::D);
+    assert!(!again.app().model.previews("item-2"));
+}
+
+#[test]
+fn wires_are_drawn_by_the_shape_of_what_they_bring() {
+    let mut w = Window::open(Some(&graph("strands", SHAPES)));
+    let wires = |w: &Window| -> Vec<(String, Strands)> {
+        let app = w.harness.state();
+        let all = app.canvas.shapes.wires.iter();
+        all.map(|wire| (app.canvas.shapes.nodes[wire.to].id.clone(), strands(&app.model, wire))).collect()
+    };
+    let all = wires(&w);
+    let of = |id: &str| all.iter().find(|(n, _)| n == id).map(|(_, s)| *s);
+    assert_eq!(of("item"), Some(Strands::Item));
+    assert_eq!(of("list"), Some(Strands::List));
+    assert_eq!(of("tree"), Some(Strands::Tree));
+    w.picture("strands");
+}
+
+#[test]
+fn tooltips_tell_what_ports_and_nodes_are_and_hold() {
+    let mut w = Window::open(Some(&graph("tips", SHAPES)));
+    w.rest(w.rect("output s.numbers").center());
+    assert!(w.has_containing("numbers: list of number"), "the type");
+    assert!(w.has_containing("4 items"), "and how many");
+    w.picture("tooltip-port");
+    w.rest(w.rect("input list.x").center());
+    assert!(w.has_containing("from s.numbers"));
+    w.rest(w.rect("node s").center());
+    assert!(w.has_containing("Series (series)"));
+}
+
+#[test]
+fn badges_count_what_is_wrong_and_say_it() {
+    let mut w = Window::open(Some(&graph("badges", SHAPES)));
+    assert!(!w.has("problems of s"));
+    let value = Some((-5).into());
+    w.app().model.edit(Operation::SetParam { node: "s".into(), port: "count".into(), value });
+    w.settle();
+    w.picture("badge");
+    w.rest(w.rect("problems of s").center());
+    assert!(w.has_containing("count: "), "the port and the message stand there");
+    assert!(w.has_containing("-5"), "with the number");
+}
+
+#[test]
+fn ports_that_a_wire_fits_light_up_while_it_is_drawn() {
+    let mut w = Window::open(Some(&graph("light", SHAPES)));
+    let from = w.rect("output one.value").right_center();
+    let fit = w.rect("input item.y").left_center();
+    let unfit = w.rect("output item.point").right_center();
+    let near = |image: &image::RgbaImage, at: eframe::egui::Pos2, r: f32| -> image::Rgba<u8> {
+        *image.get_pixel((at.x + r) as u32, at.y as u32)
+    };
+    let before = w.picture("ports-at-rest");
+    w.press(from, from + vec2(20.0, 60.0), Modifiers::NONE);
+    let during = w.picture("ports-lit");
+    // A point off the middle of a dot is of its colour only while the dot is large.
+    let zoom = w.app().canvas.view.zoom;
+    assert_ne!(near(&before, fit, -6.0 * zoom), near(&during, fit, -6.0 * zoom), "the dot grows");
+    assert_ne!(near(&before, unfit, 3.8 * zoom), near(&during, unfit, 3.8 * zoom), "the other one shrinks");
+    w.key(Modifiers::NONE, Key::Escape);
+    w.release(from + vec2(20.0, 60.0));
+    assert!(!w.has("find a node for number"), "the wire was given up");
+}
+
+#[test]
+fn many_wires_go_into_one_list_and_the_best_port_is_taken_and_named() {
+    let text = SHAPES.replacen("\"one\"", "\"l\": { \"type\": \"list\", \"v\": 1 },\n    \"one\"", 1);
+    let mut w = Window::open(Some(&graph("list", &text)));
+    for source in ["output one.value", "output s.numbers"] {
+        w.drag(w.rect(source).right_center(), w.rect("input l.items").left_center());
+    }
+    let wires = w.app().model.document().nodes()["l"].inputs.get("items").unwrap().clone();
+    assert_eq!(wires.from.as_slice(), ["one.value", "s.numbers"], "in the order in which they came");
+    w.settle();
+    assert_eq!(w.app().model.results.values["l.items"].len(), 5);
+    // Let go on the title of a node, a wire takes the port that suits it and waits for one.
+    w.drag(w.rect("output one.value").right_center(), w.rect("node item").center());
+    assert_eq!(w.app().model.document().nodes()["item"].inputs.get("y").unwrap().from.as_slice(), ["one.value"]);
+    let said = w.app().model.said.clone().unwrap();
+    assert!(said.contains("item.y"), "{said}");
+    assert!(w.has_containing("item.y, which suits it best"));
+}
+
+#[test]
+fn nodes_are_bypassed_and_frozen_by_their_menu() {
+    let mut w = Window::open(Some(&graph("bypass", SHAPES)));
+    let state = |w: &Window, id: &str| w.harness.state().model.document().nodes()[id].state;
+    for (words, want) in [("Bypass", NodeState::Bypassed), ("Freeze", NodeState::Frozen), ("Enable", NodeState::On)] {
+        w.click_with(w.rect("node s").center(), PointerButton::Secondary, Modifiers::NONE);
+        w.click(w.rect(words).center());
+        assert_eq!(state(&w, "s"), want);
+    }
+    w.key(Modifiers::COMMAND, Key::Z);
+    assert_eq!(state(&w, "s"), NodeState::Frozen);
+    // A frozen node keeps what it made.
+    w.settle();
+    w.app().model.edit(Operation::SetParam { node: "s".into(), port: "count".into(), value: Some(9.into()) });
+    w.settle();
+    assert_eq!(w.app().model.results.values["s.numbers"].len(), 4);
+}
+
+#[test]
+fn toggles_and_choices_are_set_on_the_canvas() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "yes": { "type": "boolean", "v": 1, "params": { "value": true } },
+    "curve": { "type": "ifs_curve", "v": 1, "params": { "preset": "takagi" } }
+  }
+}"#;
+    let mut w = Window::open(Some(&graph("toggle", text)));
+    w.click(w.rect("input yes.value").center());
+    assert_eq!(w.param("yes", "value"), "false");
+    w.click(w.rect("input curve.preset").center());
+    w.steps(2);
+    w.picture("choice");
+    let other = w
+        .app()
+        .model
+        .catalog
+        .get("ifs_curve")
+        .unwrap()
+        .inputs
+        .iter()
+        .find(|p| p.name == "preset")
+        .unwrap()
+        .choices
+        .clone();
+    let other = other.iter().find(|c| *c != "takagi").unwrap().clone();
+    w.click(w.first(&other).center());
+    assert_eq!(w.param("curve", "preset"), format!("\"{other}\""));
+    w.key(Modifiers::COMMAND, Key::Z);
+    w.key(Modifiers::COMMAND, Key::Z);
+    assert_eq!((w.param("yes", "value"), w.param("curve", "preset")), ("true".into(), "\"takagi\"".into()));
+}
+
+#[test]
+fn a_step_that_a_field_began_ends_when_another_node_is_chosen() {
+    let mut w = Window::open(Some(&graph("held", SHAPES)));
+    w.click(w.rect("node one").center());
+    let note = w.harness.ctx.read_response(eframe::egui::Id::new(("note", "one"))).unwrap().rect;
+    w.click(note.center());
+    w.type_text("kept");
+    // Another node is chosen without a click that would take the keyboard from the field.
+    w.app().model.selection = ["s".to_owned()].into();
+    w.steps(3);
+    assert_eq!(w.app().model.steps(), (1, 0));
+    w.app().model.edit(Operation::SetParam { node: "one".into(), port: "value".into(), value: Some(9.into()) });
+    assert_eq!(w.app().model.steps(), (2, 0), "what comes next is a step of its own");
+    w.app().model.undo();
+    assert_eq!(
+        (w.param("one", "value"), w.app().model.document().nodes()["one"].more.note.clone()),
+        ("2".into(), Some("kept".into()))
+    );
+}
