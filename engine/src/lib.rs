@@ -21,8 +21,8 @@ pub use call::{Call, MOST_ITEMS, Monitor};
 pub use diagnostic::{CODES, Code, Diagnostic, Fail, Severity, nearest};
 pub use document::{
     Cluster, DEFAULT_SIZE_LIMIT, DEPTH_LIMIT, Document, Fields, History, InterfaceInput, InterfaceOutput, Link,
-    Literal, Look, Name, Node, NodeMore, NodeState, Nothing, Operation, OuterWires, Paste, Seldom, Table, TreeOp, Wires,
-    WiresMore,
+    Literal, Look, Name, Node, NodeMore, NodeState, Nothing, Operation, OuterWires, Paste, Seldom, Table, TreeOp,
+    Wires, WiresMore,
 };
 pub use evaluate::given::Given;
 pub use evaluate::kept::{Kept, NotKept};

@@ -398,7 +398,9 @@ fn a_renamed_input_is_followed_by_formulas_and_instances() {
     undo.push(next.apply(&mut document).unwrap());
     assert_eq!(end(&document), value);
     let now = document.to_string_canonical();
-    for part in ["'width of it' * 3", "breadth + 1", "two.total", "one.total", "one.width of it", "\"depth\": { \"from\""] {
+    for part in
+        ["'width of it' * 3", "breadth + 1", "two.total", "one.total", "one.width of it", "\"depth\": { \"from\""]
+    {
         assert!(now.contains(part), "{part} is missing in {now}");
     }
     for step in undo.iter().rev() {

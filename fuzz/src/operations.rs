@@ -3,8 +3,8 @@
 use super::bytes::Bytes;
 use super::registry;
 use tenon_engine::{
-    Document, History, InterfaceInput, InterfaceOutput, Json, Look, Matching, Node, NodeState, Operation, OuterWires, Table,
-    TreeOp, Wires,
+    Document, History, InterfaceInput, InterfaceOutput, Json, Look, Matching, Node, NodeState, Operation, OuterWires,
+    Table, TreeOp, Wires,
 };
 
 const IDS: [&str; 9] = ["a", "b", "c", "u", "new", "b-2", "", "x.y", "ä ß"];

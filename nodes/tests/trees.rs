@@ -350,7 +350,12 @@ fn a_value_list_gives_the_chosen_entry() {
     assert_eq!(branches(&graph(thick("thick")), "x.value"), json!({"{0}": [18.0]}));
     let texts = json!({"names": ["a", "b"], "values": ["oak", "beech"], "chosen": "b"});
     assert_eq!(branches(&graph(texts), "x.value"), json!({"{0}": ["beech"]}));
-    assert!(told(&of(&graph(thick("fat")), "x.value").1, "no-such-entry").hint.as_deref().is_some_and(|h| h == "thin, thick"));
+    assert!(
+        told(&of(&graph(thick("fat")), "x.value").1, "no-such-entry")
+            .hint
+            .as_deref()
+            .is_some_and(|h| h == "thin, thick")
+    );
     told(&of(&graph(json!({"names": ["a"], "values": [1, 2]})), "x.value").1, "lengths-differ");
 }
 

@@ -11,5 +11,8 @@ use tenon_engine::NodeType;
 
 /// Every node of this folder.
 pub(crate) fn nodes() -> Vec<NodeType> {
-    [primitive::nodes(), chosen::nodes(), spatial::nodes(), list::nodes(), canvas::nodes()].into_iter().flatten().collect()
+    [primitive::nodes(), chosen::nodes(), spatial::nodes(), list::nodes(), canvas::nodes()]
+        .into_iter()
+        .flatten()
+        .collect()
 }

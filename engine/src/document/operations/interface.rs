@@ -32,7 +32,8 @@ impl Document {
         for (id, node) in &body.nodes {
             for (port, literal) in &node.params {
                 let address = format!("{id}.{port}");
-                let known = scope.as_ref().unwrap_or(self).input_port(registry, &address).map(|p| p.names_in(&literal.json()));
+                let known =
+                    scope.as_ref().unwrap_or(self).input_port(registry, &address).map(|p| p.names_in(&literal.json()));
                 if known.is_some_and(|names| names.iter().any(|name| name == from)) {
                     let (node, port) = (id.clone(), port.to_string());
                     all.push(Operation::SetParam { node, port, value: Some(renamed(&literal.json(), from, to)) });
@@ -55,7 +56,8 @@ impl Document {
         // Inputs of graphs around it that lead to its instances.
         for (name, body) in self.all_bodies() {
             for (key, input) in &body.inputs {
-                let of_cluster = |id: &str| body.nodes.get(id).and_then(Node::cluster).is_some_and(|c| Some(c) == cluster);
+                let of_cluster =
+                    |id: &str| body.nodes.get(id).and_then(Node::cluster).is_some_and(|c| Some(c) == cluster);
                 let lead = |address: &String| match address.split_once('.') {
                     Some((id, port)) if port == from && of_cluster(id) => format!("{id}.{to}"),
                     _ => address.clone(),
@@ -181,7 +183,13 @@ fn renamed(json: &Json, from: &str, to: &str) -> Json {
         let formula = Expression::parse(text).ok()?;
         let name = |name: &str| {
             let own = || Expression::parse(name).is_ok_and(|e| e.names() == [name]);
-            Ok(if name == from { written.clone() } else if own() { name.to_owned() } else { format!("'{name}'") })
+            Ok(if name == from {
+                written.clone()
+            } else if own() {
+                name.to_owned()
+            } else {
+                format!("'{name}'")
+            })
         };
         formula.written_with(text, &name).ok()
     };
