@@ -82,7 +82,7 @@ fn value_list() -> NodeType {
         .name("Value list")
         .category("Parameters")
         .doc("One of several values, chosen by its name.")
-        .keywords(&["choice", "option", "drop-down", "combo", "select", "input"])
+        .keywords(&["choice", "option", "dropdown", "combo", "select", "input"])
         .input(Port::list::<Text>("names").default(vec!["one", "two", "three"]).doc("Names of the entries."))
         .input(
             Port::any("values", Access::List)
