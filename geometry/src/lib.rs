@@ -14,6 +14,7 @@ pub mod planar;
 pub mod plane;
 pub mod polygon;
 pub mod proof;
+pub mod stock;
 pub mod surface;
 
 pub use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4};
