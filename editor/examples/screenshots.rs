@@ -19,30 +19,42 @@ fn main() {
     w.app().model.selection.clear();
     w.steps(2);
     save(&mut w, "editor");
-    w.app().side = tenon_editor::app::Side::Boards;
-    w.app().model.selection = ["pack".to_owned()].into();
-    w.app().canvas.show_all();
-    w.steps(3);
-    let length = w.app().boards.plays()[0].length();
-    w.app().boards.player.code = true;
-    w.app().boards.player.go_to(0.08 * length);
-    w.steps(1);
-    w.app().boards.show_all();
-    w.steps(3);
-    save(&mut w, "editor-boards");
+    player(&mut w, save);
     w.harness.ctx.set_theme(eframe::egui::Theme::Light);
     w.app().side = tenon_editor::app::Side::Space;
     w.app().viewport.measure = Some(tenon_editor::viewport::Measure::Size);
     w.app().model.selection = ["thicken".to_owned()].into();
     w.app().canvas.show_all();
     w.app().lower.toggle(tenon_editor::panels::Tab::Profile);
-    w.steps(4);
+    w.settle();
     save(&mut w, "editor-light");
     inside(save);
     open(save);
     for name in ["quad-mesh", "shell-21mm", "shell-256", "three-strips"] {
         thumbnail(name);
     }
+}
+
+/// The boards while they are cut: from above on a dark ground, in space on a light one.
+fn player(w: &mut Window, save: impl Fn(&mut Window, &str)) {
+    w.app().side = tenon_editor::app::Side::Boards;
+    w.app().model.selection = ["pack".to_owned()].into();
+    w.app().canvas.show_all();
+    w.settle();
+    let length = w.app().boards.plays()[0].length();
+    w.app().boards.player.code = true;
+    w.app().boards.player.go_to(0.35 * length);
+    w.settle();
+    w.app().boards.show_all();
+    w.settle();
+    save(w, "editor-boards");
+    w.harness.ctx.set_theme(eframe::egui::Theme::Light);
+    (w.app().boards.player.solid, w.app().boards.player.code) = (true, false);
+    w.settle();
+    w.app().boards.show_all();
+    w.settle();
+    save(w, "editor-solid");
+    w.app().boards.player.solid = false;
 }
 
 /// A cluster from inside, with a group and a note, on a dark ground.
@@ -72,7 +84,7 @@ fn open(save: impl Fn(&mut Window, &str)) {
     let mut w = Window::sized(Some(&example("shell-256")), vec2(1280.0, 760.0));
     w.harness.ctx.set_theme(eframe::egui::Theme::Light);
     w.app().viewport.tool_paths = true;
-    w.app().viewport.clip = Some(tenon_editor::viewport::Clip { axis: 0, at: 2600.0, below: false });
+    w.app().viewport.clip = Some(tenon_editor::viewport::Clip::square_to(0, 2600.0));
     w.app().lower.toggle(tenon_editor::panels::Tab::Pieces);
     w.settle();
     save(&mut w, "editor-open");

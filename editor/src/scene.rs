@@ -1,12 +1,14 @@
 //! From values to what a graphics card draws: triangles, lines and points, with the part (panel, face) that each belongs
 //! to. No window is needed here; it runs beside the evaluation.
 
+use glam::Vec3;
 use std::collections::HashMap;
+use std::ops::Range;
 use tenon_engine::{Column, Tree};
-use tenon_geometry::DVec3;
 use tenon_geometry::ifs::Curve;
 use tenon_geometry::mesh::Mesh;
 use tenon_geometry::panel::PanelSet;
+use tenon_geometry::{DVec2, DVec3};
 use tenon_nodes::value::{Point, V};
 
 /// Item types that can be seen in the viewport.
@@ -97,28 +99,57 @@ pub struct Drawing {
     pub bounds: [DVec3; 2],
     /// Digest of the value that it shows.
     pub digest: u128,
+    /// Boxes around the triangles of each part, in their order, so that picking looks at few of them.
+    pub(crate) boxes: Vec<PartBox>,
+}
+
+/// A box around triangles that stand one after the other and belong to one part.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PartBox {
+    corners: Range<usize>,
+    low: Vec3,
+    high: Vec3,
 }
 
 /// What a value looks like; `None` if there is nothing to see. O(corners).
 #[must_use]
 pub fn draw(tree: &Tree) -> Option<Drawing> {
-    let mut d = Drawing {
-        kind: Kind::Points,
-        triangles: Vec::new(),
-        lines: Vec::new(),
-        points: Vec::new(),
-        parts: Vec::new(),
-        bounds: [DVec3::INFINITY, DVec3::NEG_INFINITY],
-        digest: tree.digest(),
-    };
+    let mut d = Drawing { digest: tree.digest(), ..Drawing::empty(Kind::Points) };
     for (_, column) in tree.branches() {
         (0..column.len()).for_each(|i| d.item(column, i));
     }
+    d.put_in_boxes();
     let seen = !d.triangles.is_empty() || !d.lines.is_empty() || !d.points.is_empty();
     (seen && d.bounds.iter().all(|b| b.is_finite())).then_some(d)
 }
 
 impl Drawing {
+    /// A drawing of nothing.
+    #[must_use]
+    pub fn empty(kind: Kind) -> Self {
+        Self {
+            kind,
+            triangles: Vec::new(),
+            lines: Vec::new(),
+            points: Vec::new(),
+            parts: Vec::new(),
+            bounds: [DVec3::INFINITY, DVec3::NEG_INFINITY],
+            digest: 0,
+            boxes: Vec::new(),
+        }
+    }
+
+    /// Puts the triangles of every part into a box. O(triangles).
+    fn put_in_boxes(&mut self) {
+        let mut corners = 0;
+        for own in self.triangles.chunk_by(|a, b| a.part == b.part) {
+            let places = own.iter().map(|v| Vec3::from(v.position));
+            let [low, high] = places.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[a, b], p| [a.min(p), b.max(p)]);
+            self.boxes.push(PartBox { corners: corners..corners + own.len(), low, high });
+            corners += own.len();
+        }
+    }
+
     fn item(&mut self, column: &Column, i: usize) {
         if let Some(panels) = column.get::<V<PanelSet>>(i) {
             self.panels(panels);
@@ -241,20 +272,78 @@ impl Drawing {
         }
     }
 
-    /// The part that a ray meets first where `seen` holds, and how far away, in lengths of `direction`. O(triangles).
+    /// The part that a ray meets first where `seen` holds, and how far away, in lengths of `direction`. O(parts + triangles of
+    /// parts whose boxes it meets).
     #[must_use]
     pub fn pick(&self, origin: DVec3, direction: DVec3, seen: impl Fn(DVec3) -> bool) -> Option<(u32, f64)> {
         let mut best: Option<(u32, f64)> = None;
-        for t in self.triangles.chunks_exact(3) {
-            let [a, b, c] = [t[0], t[1], t[2]].map(|v| DVec3::from(v.position.map(f64::from)));
-            if let Some(at) = meet(origin, direction, a, b, c)
-                && best.is_none_or(|(_, best)| at < best)
-                && seen(origin + direction * at)
-            {
-                best = Some((t[0].part, at));
+        for own in self.boxes.iter().filter(|b| b.meets(origin, direction)) {
+            for t in self.triangles[own.corners.clone()].chunks_exact(3) {
+                let [a, b, c] = [t[0], t[1], t[2]].map(|v| DVec3::from(v.position.map(f64::from)));
+                if let Some(at) = meet(origin, direction, a, b, c)
+                    && best.is_none_or(|(_, best)| at < best)
+                    && seen(origin + direction * at)
+                {
+                    best = Some((t[0].part, at));
+                }
             }
         }
         best
+    }
+
+    /// The curve or point that is seen nearest to a place of the picture, no farther than `near`, and where that is in space.
+    /// `picture` says where a place in space is seen; none where it is not. O(lines + points).
+    #[must_use]
+    pub fn pick_thin(
+        &self,
+        at: DVec2,
+        near: f64,
+        picture: impl Fn(DVec3) -> Option<DVec2>,
+    ) -> Option<(u32, DVec3, f64)> {
+        let mut best: Option<(u32, DVec3, f64)> = None;
+        let mut take = |part, place, away: f64| {
+            if away <= near && best.is_none_or(|b| away < b.2) {
+                best = Some((part, place, away));
+            }
+        };
+        let space = |p: [f32; 3]| DVec3::from(p.map(f64::from));
+        if self.kind == Kind::Curve {
+            for line in &self.lines {
+                let (from, to) = (space(line.from), space(line.to));
+                let (Some(a), Some(b)) = (picture(from), picture(to)) else { continue };
+                let t = ((at - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
+                take(line.part, from.lerp(to, t), a.lerp(b, t).distance(at));
+            }
+        }
+        for (i, point) in self.points.iter().enumerate() {
+            if let Some(p) = picture(space(*point)) {
+                take(i as u32, space(*point), p.distance(at));
+            }
+        }
+        best
+    }
+
+    /// The corners of a part's triangles. O(parts).
+    pub fn corners_of(&self, part: u32) -> impl Iterator<Item = DVec3> {
+        let own = move |b: &&PartBox| self.triangles.get(b.corners.start).is_some_and(|v| v.part == part);
+        let corners = self.boxes.iter().filter(own).flat_map(|b| &self.triangles[b.corners.clone()]);
+        corners.map(|v| DVec3::from(v.position.map(f64::from)))
+    }
+}
+
+impl PartBox {
+    /// Whether a ray goes through the box, a little widened for its rounding (Kay, Kajiya 1986).
+    fn meets(&self, origin: DVec3, direction: DVec3) -> bool {
+        let (low, high) = (self.low.as_dvec3() - DVec3::splat(1e-3), self.high.as_dvec3() + DVec3::splat(1e-3));
+        let (a, b) = ((low - origin) / direction, (high - origin) / direction);
+        // Along an axis that the ray does not move on, 0/0 may come up: such a bound does not count.
+        let bound = |from: f64, to: f64| {
+            if from.is_nan() || to.is_nan() { [f64::NEG_INFINITY, f64::INFINITY] } else { [from.min(to), from.max(to)] }
+        };
+        let all = [bound(a.x, b.x), bound(a.y, b.y), bound(a.z, b.z)];
+        let enter = all.iter().map(|b| b[0]).fold(0.0, f64::max);
+        let leave = all.iter().map(|b| b[1]).fold(f64::INFINITY, f64::min);
+        enter <= leave
     }
 }
 
@@ -363,6 +452,20 @@ mod tests {
         let of = |faces: &[Vec<DVec3>]| conicity(&faces.iter().map(Vec::as_slice).collect::<Vec<_>>());
         assert!(of(&four(DVec3::ZERO)).iter().all(|c| *c < 1e-9));
         assert!(of(&four(grid(0.3, 0.3))).iter().all(|c| *c > 10.0));
+    }
+
+    #[test]
+    fn curves_and_points_are_picked_where_they_are_seen() {
+        let points = vec![Point(DVec3::new(1.0, 2.0, 9.0)), Point(DVec3::new(4.0, 2.0, 0.0))];
+        let d = draw(&Tree::list(points)).unwrap();
+        let from_above = |p: DVec3| Some(p.truncate());
+        assert_eq!(d.pick_thin(DVec2::new(3.5, 2.0), 1.0, from_above), Some((1, DVec3::new(4.0, 2.0, 0.0), 0.5)));
+        assert_eq!(d.pick_thin(DVec2::new(2.5, 2.0), 1.0, from_above), None);
+        let line = [[0.0, 0.0, 0.0], [10.0, 0.0, 5.0]].map(|[x, y, z]| DVec3::new(x, y, z));
+        let mut d = Drawing::empty(Kind::Curve);
+        d.line(line[0], line[1], 3);
+        let (part, place, away) = d.pick_thin(DVec2::new(5.0, 0.5), 1.0, from_above).unwrap();
+        assert_eq!((part, place, away), (3, DVec3::new(5.0, 0.0, 2.5), 0.5));
     }
 
     #[test]

@@ -1,14 +1,17 @@
 //! Boards, player and tables of the shell.
 
 use crate::common::{Window, example};
+use eframe::egui::{Modifiers, PointerButton, vec2};
 use tenon_editor::app::Side;
 
 #[test]
 fn the_boards_are_seen_and_the_tool_moves_through_them() {
     let mut w = Window::open(Some(&example("shell-256")));
     w.click(w.rect("Boards").center());
+    w.settle();
     assert_eq!(w.app().side, Side::Boards);
     assert_eq!(w.app().boards.count(), 3);
+    assert_eq!(w.app().boards.grain().map(|g| g.to_array()), Some([1.0, 0.0]), "parts are mapped to X");
     w.picture("boards");
     // A part that is clicked is the panel in space.
     w.click(w.rect("board 1").center());
@@ -35,6 +38,57 @@ fn the_boards_are_seen_and_the_tool_moves_through_them() {
     w.click(w.rect("Play").center());
     w.steps(5);
     assert!(w.app().boards.player.time > length / 2.0);
+}
+
+#[test]
+fn the_board_is_cut_as_the_tool_moves_and_whole_again_before() {
+    let mut w = Window::open(Some(&example("shell-256")));
+    w.click(w.rect("Boards").center());
+    w.settle();
+    assert!(w.app().boards.carved().image.is_none(), "nothing was played");
+    let length = w.app().boards.plays()[0].length();
+    let cut = |w: &mut Window, time: f64| {
+        w.app().boards.player.go_to(time);
+        w.settle();
+        let image = w.app().boards.carved().image.clone().expect("the board is looked at from above");
+        image.pixels.iter().filter(|p| p.a() > 0).count()
+    };
+    let (some, more) = (cut(&mut w, 0.3 * length), cut(&mut w, 0.6 * length));
+    assert!(some > 100 && more > some + some / 2, "{some} and {more} lines are cut");
+    w.picture("board-cut");
+    assert_eq!(cut(&mut w, 0.3 * length), some, "backward it is as it was");
+    assert_eq!(cut(&mut w, 0.0), 0);
+    // The slider is drawn to a time; the line of the program is lit and a click on another goes there.
+    let slider = w.rect("time");
+    w.drag(slider.left_center() + vec2(6.0, 0.0), slider.left_center() + vec2(slider.width() * 0.04, 0.0));
+    let time = w.app().boards.player.time;
+    assert!((0.01..0.08).contains(&(time / length)), "{time} of {length}");
+    w.click(w.rect("Program").center());
+    w.settle();
+    let line = |w: &mut Window| {
+        let (play, now) = w.app().boards.now().unwrap();
+        (play.steps[now.step].line, now)
+    };
+    let (lit, _) = line(&mut w);
+    let text = w.app().boards.plays()[0].line(lit as usize + 3).to_owned();
+    w.picture("program");
+    w.click(w.rect(&format!("{:>6}  {text}", lit + 3)).center());
+    w.settle();
+    assert!(line(&mut w).0 >= lit + 3, "the click goes to that line or the next that moves");
+    // In space: stock, tool and holder are bodies.
+    w.click(w.rect("In space").center());
+    w.settle();
+    let carved = w.app().boards.carved();
+    let triangles: usize = carved.solid.iter().map(|d| d.triangles.len()).sum();
+    assert!(triangles > 1000, "{triangles} corners of the surface");
+    let seen = w.rect("board in space");
+    w.picture("board-in-space");
+    w.drag_with(seen.center(), seen.center() + vec2(60.0, 20.0), PointerButton::Primary, Modifiers::NONE);
+    // Speed is set by the mouse.
+    let speed = w.app().boards.player.speed;
+    let field = w.rect("speed");
+    w.drag(field.center(), field.center() + vec2(40.0, 0.0));
+    assert!(w.app().boards.player.speed > speed);
 }
 
 fn tenon_board(w: &Window) -> [f64; 2] {

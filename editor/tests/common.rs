@@ -96,7 +96,7 @@ impl Window {
     pub fn settle(&mut self) {
         let start = Instant::now();
         self.steps(2);
-        while !self.harness.state().model.settled() {
+        while !self.harness.state().settled() {
             assert!(start.elapsed() < Duration::from_secs(300), "the evaluation does not end");
             std::thread::sleep(Duration::from_millis(5));
             self.steps(1);
@@ -116,6 +116,11 @@ impl Window {
     /// The first of several of that name.
     pub fn first(&self, label: &str) -> Rect {
         self.harness.get_all_by_label(label).next().unwrap().rect()
+    }
+
+    /// Where the only thing whose name has this in it is on screen.
+    pub fn rect_containing(&self, label: &str) -> Rect {
+        self.harness.get_by_label_contains(label).rect()
     }
 
     /// The uppermost of all whose name begins so.

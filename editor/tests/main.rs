@@ -7,6 +7,7 @@ mod common;
 mod files;
 mod history;
 mod keys;
+mod looking;
 mod looks;
 mod panels;
 mod sheets;

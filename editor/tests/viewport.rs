@@ -23,8 +23,13 @@ fn the_shell_is_cut_open_measured_and_drawn_at_any_size() {
     let whole = w.app().viewport.picture([400, 300]).unwrap();
     assert_eq!(whole.dimensions(), (400, 300));
     assert_eq!(w.app().viewport.picture([1000, 40]).unwrap().dimensions(), (1000, 40));
-    let refused = w.app().viewport.picture([1 << 20, 16]).unwrap_err();
+    let refused = w.app().viewport.picture([1 << 20, 1 << 20]).unwrap_err();
     assert!(refused.contains("1048576"), "{refused}");
+    // What is larger than a tile is put together without seams: reduced it is the picture in one piece.
+    let large = w.app().viewport.picture([4400, 3300]).unwrap();
+    let small = image::imageops::resize(&large, 400, 300, image::imageops::FilterType::Triangle);
+    let differ = small.pixels().zip(whole.pixels()).filter(|(a, b)| (0..3).any(|k| a[k].abs_diff(b[k]) > 90)).count();
+    assert!(differ < 2400, "{differ} of 120000 pixels differ");
     let file = folder("picture").join("shell.png");
     w.app().viewport.picture_size = [320, 200];
     w.app().viewport.picture_to(&file).unwrap();
@@ -32,8 +37,8 @@ fn the_shell_is_cut_open_measured_and_drawn_at_any_size() {
 
     // Half of it is cut away, and what is cut away is not picked.
     let parts = w.app().model.results.drawings["thicken.panels"].parts.clone();
-    w.app().viewport.clip = Some(Clip { axis: 0, at: 2250.0, below: false });
-    w.steps(2);
+    w.app().viewport.clip = Some(Clip::square_to(0, 2250.0));
+    w.settle();
     let half = w.app().viewport.picture([400, 300]).unwrap();
     let (all, left) = (wooden(&whole), wooden(&half));
     assert!(left * 3 < all * 2 && left * 10 > all, "{left} of {all} pixels of wood are left");
@@ -61,7 +66,7 @@ fn the_shell_is_cut_open_measured_and_drawn_at_any_size() {
     // Tool paths where the panels are: cuts are green.
     let before = green(&w.app().viewport.picture([600, 400]).unwrap());
     w.app().viewport.tool_paths = true;
-    w.steps(2);
+    w.settle();
     let after = green(&w.app().viewport.picture([600, 400]).unwrap());
     assert!(after > before + 500, "{before} green pixels, then {after}");
     w.picture("tool-paths");
@@ -86,13 +91,30 @@ fn pictures_and_meshes_stand_behind_the_model() {
     image::RgbImage::from_fn(60, 40, |x, _| image::Rgb([if x < 30 { 250 } else { 0 }, 20, 20])).save(&picture).unwrap();
     w.drop_file(&picture);
     assert_eq!(w.app().viewport.references.len(), 1, "{:?}", w.app().model.message);
-    assert_eq!(w.app().viewport.references[0].drawing.parts[0].label, "picture");
+    assert!(w.app().viewport.references[0].picture.is_some());
     let (area, bounds) = (w.rect("viewport"), w.app().viewport.references[0].drawing.bounds);
     w.app().viewport.camera.fit(area, bounds);
     w.steps(2);
     let seen = w.app().viewport.picture([300, 200]).unwrap();
     let red = seen.pixels().filter(|p| p[0] > 150 && p[1] < 60).count();
     assert!(red > 2000, "{red} pixels are red");
+    // It is placed and scaled by numbers.
+    let r = &mut w.app().viewport.references[0];
+    (r.at.x, r.scale) = (20_000.0, 500.0);
+    r.place();
+    let moved = r.drawing.bounds;
+    assert_eq!([moved[0].x, moved[1].x], [20_000.0, 20_500.0]);
+    w.steps(2);
+    let seen = w.app().viewport.picture([300, 200]).unwrap();
+    assert_eq!(seen.pixels().filter(|p| p[0] > 150 && p[1] < 60).count(), 0, "it lies elsewhere");
+    // A mesh is another; both are listed under More.
+    let mesh = dir.join("rock.obj");
+    std::fs::write(&mesh, "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nf 1 2 3 4\n").unwrap();
+    w.app().viewport.refer_to(&mesh).unwrap();
+    w.click(w.rect("More").center());
+    assert!(w.has("plan.png") && w.has("rock.obj"));
+    w.picture("references");
+    w.key(Modifiers::NONE, Key::Escape);
     std::fs::write(dir.join("bad.png"), "no picture").unwrap();
     w.drop_file(&dir.join("bad.png"));
     assert!(w.app().model.message.as_ref().unwrap().message.contains("bad.png"));

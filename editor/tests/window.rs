@@ -45,6 +45,7 @@ fn a_slow_node_holds_no_frame_and_escape_stops_it() {
 fn pieces_are_a_table_that_is_sorted_and_picks_panels() {
     let mut w = Window::open(Some(&example("shell-256")));
     w.click(w.first("Pieces").center());
+    w.settle();
     assert!(w.has("sort by time"));
     w.click(w.rect("sort by area m²").center());
     w.click(w.rect("sort by area m²").center());
@@ -80,6 +81,18 @@ fn what_a_proof_has_found_is_marked_on_the_board() {
     assert!(!faults.is_empty(), "{:?}", w.app().model.results.diagnostics);
     assert!(faults.iter().any(|f| f.at.is_some()));
     w.picture("faults");
+    // One is chosen: the tool goes there, and its line is the fault's.
+    let own: Vec<_> = faults.iter().filter(|f| f.board == 0).cloned().collect();
+    let first = own.iter().find(|f| f.line.is_some()).unwrap();
+    w.click(w.rect(&format!("{} faults", own.len())).center());
+    w.picture("faults-listed");
+    w.click(w.first(&first.words).center());
+    w.settle();
+    let boards = &w.app().boards;
+    let (play, now) = boards.now().expect("something is played");
+    assert_eq!(Some(play.steps[now.step].line), first.line, "{}", first.words);
+    assert!(boards.player.struck(play, now), "the tool is marked there");
+    w.picture("fault-chosen");
 }
 
 #[test]

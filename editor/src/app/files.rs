@@ -140,7 +140,7 @@ impl App {
         match ending.as_str() {
             e if e == std::env::consts::DLL_EXTENSION => self.load_plugin(path),
             "obj" => self.read_mesh(path),
-            "png" => self.model.message = self.viewport.refer_to(path).err(),
+            e if crate::viewport::PICTURES.contains(&e) => self.model.message = self.viewport.refer_to(path).err(),
             _ => self.leave(ui, Leave::Open(path.to_owned())),
         }
     }

@@ -134,6 +134,12 @@ impl App {
         }
     }
 
+    /// Whether nothing is on its way from other threads: the evaluation, and what is made of its results to be looked at.
+    #[must_use]
+    pub fn settled(&self) -> bool {
+        self.model.settled() && self.viewport.settled() && self.boards.settled()
+    }
+
     /// Goes where a click in the lower panel leads.
     fn went(&mut self, to: panels::Went) {
         match to {
@@ -219,7 +225,7 @@ impl eframe::App for App {
         });
         if self.lower.tab.is_some() {
             egui::Panel::bottom("lower").resizable(true).default_size(200.0).show(ui, |ui| {
-                self.boards.look(&self.model);
+                self.boards.look(ui.ctx(), &self.model);
                 if let Some(went) = self.lower.show(ui, &self.model, self.boards.plays()) {
                     self.went(went);
                 }

@@ -1,11 +1,12 @@
-//! Drawing boards from above: outlines, what tools clear, holes, addresses; and the tool on its way.
+//! Drawing boards from above: grain, outlines, what tools clear, holes and other features, addresses; and the tool on its way.
 
-use crate::model::cut::{Boards, Kind, Now, Play};
+use crate::model::cut::Boards;
+use crate::model::play::{Kind, Now, Play};
 use crate::theme::Theme;
-use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2};
-use tenon_geometry::DVec2;
+use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 use tenon_geometry::board::Placement;
 use tenon_geometry::joint::{Feature, Machining};
+use tenon_geometry::{DVec2, DVec3};
 
 /// Room between boards, mm.
 const GAP: f64 = 150.0;
@@ -22,20 +23,18 @@ pub struct Place {
 /// What is drawn.
 pub struct Draw<'a> {
     found: &'a Boards,
-    /// Features by part.
-    features: Vec<Vec<&'a Feature>>,
 }
 
+const WOOD: Color32 = Color32::from_rgb(206, 172, 124);
+const INK: Color32 = Color32::from_rgb(50, 36, 20);
+const HOLE: Color32 = Color32::from_rgb(70, 50, 30);
+/// What a tool makes below the surface, or the hand later.
+const HIDDEN: Color32 = Color32::from_rgb(140, 100, 60);
+
 impl<'a> Draw<'a> {
-    /// Prepares it. O(features).
+    /// Prepares it.
     pub fn new(found: &'a Boards) -> Self {
-        let mut features = vec![Vec::new(); found.parts.frame.len()];
-        for f in &found.parts.features.features {
-            if let Some(own) = features.get_mut(f.panel as usize) {
-                own.push(f);
-            }
-        }
-        Self { found, features }
+        Self { found }
     }
 
     /// Where a board lies in the drawing: side by side.
@@ -81,29 +80,48 @@ impl<'a> Draw<'a> {
         })
     }
 
-    /// Paints boards and parts; `picked` in another colour.
-    pub fn paint(
-        &self,
-        painter: &Painter,
-        theme: &Theme,
-        zoom: f32,
-        picked: Option<u32>,
-        to_screen: &dyn Fn(DVec2) -> Pos2,
-    ) {
-        let wood = Color32::from_rgb(206, 172, 124);
+    /// Paints the boards with their grain.
+    pub fn boards(&self, painter: &Painter, theme: &Theme, to_screen: &dyn Fn(DVec2) -> Pos2) {
         painter.rect_filled(painter.clip_rect(), 0.0, theme.space);
         for b in 0..self.found.layout.boards {
             let place = self.board(b);
             let rect = Rect::from_two_pos(to_screen(place.min), to_screen(place.max));
-            painter.rect(rect, 0.0, wood, Stroke::new(1.0, theme.edge), StrokeKind::Outside);
-            let name = format!("board {}", b + 1);
+            painter.rect(rect, 0.0, WOOD, Stroke::new(1.0, theme.edge), StrokeKind::Outside);
+            // What has no room beside the name is left out.
+            let room = rect.width();
+            if let Some(grain) = self.found.grain {
+                grain_lines(&painter.with_clip_rect(rect.intersect(painter.clip_rect())), rect, grain);
+                // A double arrow beside the name, since grain has no sense.
+                let along = vec2(grain.x as f32, -grain.y as f32) * 14.0;
+                let middle = rect.right_top() + vec2(-22.0, -10.0);
+                let stroke = Stroke::new(1.5, theme.text);
+                for sign in [1.0, -1.0].into_iter().filter(|_| room > 120.0) {
+                    let tip = middle + along * sign;
+                    painter.line_segment([middle, tip], stroke);
+                    for side in [0.5, -0.5] {
+                        painter.line_segment([tip, tip - (along + along.rot90() * side * 2.0) * sign * 0.3], stroke);
+                    }
+                }
+                if room > 290.0 {
+                    let at = rect.right_top() + vec2(-42.0, -3.0);
+                    painter.text(at, Align2::RIGHT_BOTTOM, "grain", FontId::proportional(12.0), theme.faint_text);
+                }
+            }
+            let size = self.found.layout.board.size;
+            let name = match room > 240.0 {
+                true => format!("board {}, {:.0} × {:.0} mm", b + 1, size.x, size.y),
+                false => format!("board {}", b + 1),
+            };
             painter.text(rect.left_top(), Align2::LEFT_BOTTOM, name, FontId::proportional(13.0), theme.text);
         }
+    }
+
+    /// Paints the parts with what is to be made in them; `picked` in another colour.
+    pub fn parts(&self, painter: &Painter, zoom: f32, picked: Option<u32>, to_screen: &dyn Fn(DVec2) -> Pos2) {
         let seen = painter.clip_rect();
         for (p, piece) in self.pieces() {
             let corners: Vec<Pos2> = self.outline(p, piece).into_iter().map(to_screen).collect();
-            let bounds = Rect::from_points(&corners);
-            if !bounds.intersects(seen) {
+            if !Rect::from_points(&corners).intersects(seen) {
                 continue;
             }
             if let Some(cleared) = self.found.layout.cleared.get(p.part as usize).filter(|_| zoom > 0.08) {
@@ -116,25 +134,89 @@ impl<'a> Draw<'a> {
             if zoom > 0.12 {
                 self.features(painter, p, zoom, to_screen);
             }
+        }
+    }
+
+    /// Writes the addresses on the parts, over whatever was cut.
+    pub fn addresses(&self, painter: &Painter, to_screen: &dyn Fn(DVec2) -> Pos2) {
+        let seen = painter.clip_rect();
+        for (p, piece) in self.pieces() {
+            let corners: Vec<Pos2> = self.outline(p, piece).into_iter().map(to_screen).collect();
+            let bounds = Rect::from_points(&corners);
             let size = (bounds.height().min(bounds.width()) * 0.3).min(15.0);
-            if size > 5.0 {
+            if size > 5.0 && bounds.intersects(seen) {
                 let address = self.found.parts.panels.address.get(p.part as usize);
                 let address = address.map_or_else(|| p.part.to_string(), ToString::to_string);
-                let ink = Color32::from_rgb(50, 36, 20);
-                painter.text(bounds.center(), Align2::CENTER_CENTER, address, FontId::proportional(size.round()), ink);
+                painter.text(bounds.center(), Align2::CENTER_CENTER, address, FontId::proportional(size.round()), INK);
             }
         }
     }
 
+    /// What is made in a part: by the machine in full lines, by hand in fainter ones.
     fn features(&self, painter: &Painter, p: &Placement, zoom: f32, to_screen: &dyn Fn(DVec2) -> Pos2) {
-        let offset = self.board(p.board).min;
-        for f in self.features.get(p.part as usize).into_iter().flatten() {
-            if let Machining::Drill { entry, diameter, .. } = &f.machining {
-                let at = to_screen(p.point(*entry).truncate() + offset);
-                let radius = (*diameter as f32 * 0.5 * zoom).max(1.0);
-                painter.circle_filled(at, radius, Color32::from_rgb(70, 50, 30));
+        let all = &self.found.parts.features;
+        for (features, ink) in [(&all.features, HOLE), (&all.by_hand, HIDDEN)] {
+            // They stand in the order of parts.
+            let first = features.partition_point(|f| f.panel < p.part);
+            for f in features[first..].iter().take_while(|f| f.panel == p.part) {
+                self.feature(painter, p, f, ink, zoom, to_screen);
             }
         }
+    }
+
+    fn feature(
+        &self,
+        painter: &Painter,
+        p: &Placement,
+        feature: &Feature,
+        ink: Color32,
+        zoom: f32,
+        to_screen: &dyn Fn(DVec2) -> Pos2,
+    ) {
+        let offset = self.board(p.board).min;
+        let place = |at: DVec3| to_screen(p.point(at).truncate() + offset);
+        let line = Stroke::new(1.0, ink);
+        match &feature.machining {
+            Machining::Drill { entry, axis, depth, diameter } => {
+                let radius = (*diameter as f32 * 0.5 * zoom).max(1.0);
+                let (from, to) = (place(*entry), place(*entry + *axis * *depth));
+                // A hole that leans, as of toe screws and dowels, is seen along its way too.
+                if from.distance(to) > radius {
+                    painter.line_segment([from, to], Stroke::new(2.0 * radius, HIDDEN.gamma_multiply(0.45)));
+                    painter.line_segment([from, to], Stroke::new(1.0, HIDDEN));
+                }
+                painter.circle_filled(from, radius, ink);
+            }
+            Machining::Slot { from, to, width, .. } => {
+                let width = (*width as f32 * zoom).max(1.0);
+                painter.line_segment([place(*from), place(*to)], Stroke::new(width, ink.gamma_multiply(0.6)));
+            }
+            Machining::Pocket { outline, .. } => {
+                painter.add(Shape::closed_line(outline.iter().map(|c| place(*c)).collect(), line));
+            }
+            Machining::Contour { line: along, .. } => {
+                painter.add(Shape::line(along.iter().map(|c| place(*c)).collect(), line));
+            }
+            // The address stands there already.
+            Machining::Engraving { .. } => {}
+        }
+    }
+}
+
+/// Fine lines along the grain, uneven as wood is.
+fn grain_lines(painter: &Painter, rect: Rect, grain: DVec2) {
+    let stroke = Stroke::new(1.0, Color32::from_rgb(192, 156, 108));
+    let along_x = grain.x.abs() > grain.y.abs();
+    let across = if along_x { rect.height() } else { rect.width() };
+    let count = (across / 7.0).clamp(3.0, 400.0) as u32;
+    for i in 0..count {
+        let uneven = f64::from(i.wrapping_mul(2_654_435_761) >> 24) / 256.0;
+        let at = (f64::from(i) + 0.2 + 0.6 * uneven) as f32 / count as f32 * across;
+        let [a, b] = match along_x {
+            true => [rect.left_top() + vec2(0.0, at), rect.right_top() + vec2(0.0, at)],
+            false => [rect.left_top() + vec2(at, 0.0), rect.left_bottom() + vec2(at, 0.0)],
+        };
+        painter.line_segment([a, b], stroke);
     }
 }
 
@@ -157,67 +239,46 @@ pub fn paint_fault(painter: &Painter, theme: &Theme, at: Pos2) {
     painter.circle_stroke(at, 10.0, stroke);
 }
 
-/// Paints what the tool has done until now and the tool itself; `to_screen` takes board coordinates.
-pub fn paint_play(
+/// Steps whose way is drawn behind the tool.
+const TRAIL: usize = 300;
+
+/// Paints the way of the tool's last steps and the tool from above: its cutter, and the outline of its holder at the other
+/// end; `struck`: the proof has found something wrong just here. `to_screen` takes board coordinates.
+pub fn paint_tool(
     painter: &Painter,
     theme: &Theme,
     zoom: f32,
     play: &Play,
     now: Now,
+    struck: bool,
     to_screen: &dyn Fn(DVec2) -> Pos2,
 ) {
-    let mut run: Vec<Pos2> = Vec::new();
-    let mut run_kind: Option<(Kind, Option<usize>)> = None;
-    let flush = |run: &mut Vec<Pos2>, kind: Option<(Kind, Option<usize>)>| {
-        let Some((kind, tool)) = kind.filter(|_| run.len() > 1) else { return run.clear() };
-        let cuts = kind == Kind::Cut || kind == Kind::Plunge;
-        let diameter = tool.and_then(|t| play.machine.machine.tools.get(t)).map_or(0.0, |t| t.diameter);
-        let groove = diameter as f32 * zoom;
-        if cuts && groove > 2.0 {
-            // What is left of the material there: nothing, down to the layer below.
-            let stroke = Stroke::new(groove, Color32::from_rgb(108, 86, 58));
-            painter.add(Shape::line(run.clone(), stroke));
+    let Some(step) = play.steps.get(now.step) else { return };
+    let first = now.step.saturating_sub(TRAIL);
+    let mut last = first.checked_sub(1).and_then(|s| play.steps.get(s)).map(|s| s.tip);
+    for (i, s) in play.steps.iter().enumerate().take(now.step + 1).skip(first) {
+        let to = if i == now.step { now.tip } else { s.tip };
+        if let Some(from) = last {
+            let cuts = matches!(s.kind, Kind::Cut | Kind::Plunge);
+            // What is longer ago is fainter.
+            let age = 1.0 - (now.step - i) as f32 / (TRAIL + 1) as f32;
+            let colour = kind_colour(s.kind).gamma_multiply(age * if cuts { 1.0 } else { 0.6 });
+            let ends = [to_screen(from.truncate()), to_screen(to.truncate())];
+            painter.line_segment(ends, Stroke::new(if cuts { 1.6 } else { 0.9 }, colour));
         }
-        painter.add(Shape::line(
-            std::mem::take(run),
-            if cuts {
-                Stroke::new(1.4, kind_colour(kind))
-            } else {
-                Stroke::new(0.8, kind_colour(kind).gamma_multiply(0.35))
-            },
-        ));
-    };
-    let mut last: Option<Pos2> = None;
-    for step in &play.steps[..now.step.min(play.steps.len())] {
-        let at = to_screen(step.tip.truncate());
-        let kind = (step.kind, step.tool);
-        if run_kind != Some(kind) {
-            flush(&mut run, run_kind);
-            run.extend(last);
-            run_kind = Some(kind);
-        }
-        run.push(at);
-        last = Some(at);
+        last = Some(to);
     }
     let tip = to_screen(now.tip.truncate());
-    if let Some(step) = play.steps.get(now.step) {
-        if run_kind != Some((step.kind, step.tool)) {
-            flush(&mut run, run_kind);
-            run.extend(last);
-            run_kind = Some((step.kind, step.tool));
-        }
-        run.push(tip);
-        flush(&mut run, run_kind);
-        let tool = play.tool(step);
-        let holder = tool.and_then(|t| t.holder.iter().map(|h| h.radius_from.max(h.radius_to)).reduce(f64::max));
-        let length = tool.map_or(80.0, |t| t.length);
-        let nose = to_screen((now.tip + now.axis * length).truncate());
-        if let Some(radius) = holder {
-            painter.circle_stroke(nose, (radius as f32 * zoom).max(3.0), Stroke::new(1.5, theme.text));
-        }
-        painter.line_segment([tip, nose], Stroke::new(2.0, theme.text));
-        let radius = tool.map_or(3.0, |t| t.diameter * 0.5);
-        let fill = kind_colour(step.kind);
-        painter.circle(tip, (radius as f32 * zoom).max(3.0), fill, Stroke::new(1.5, Color32::WHITE));
+    let tool = play.tool(step);
+    let holder = tool.and_then(|t| t.holder.iter().map(|h| h.radius_from.max(h.radius_to)).reduce(f64::max));
+    let length = tool.map_or(80.0, |t| t.length);
+    let nose = to_screen((now.tip + now.axis * length).truncate());
+    if let Some(radius) = holder {
+        let fill = theme.text.gamma_multiply(0.12);
+        painter.circle(nose, (radius as f32 * zoom).max(3.0), fill, Stroke::new(1.5, theme.text));
     }
+    painter.line_segment([tip, nose], Stroke::new(2.0, theme.text));
+    let radius = tool.map_or(3.0, |t| t.diameter * 0.5);
+    let fill = if struck { theme.error } else { kind_colour(step.kind) };
+    painter.circle(tip, (radius as f32 * zoom).max(3.0), fill, Stroke::new(1.5, Color32::WHITE));
 }

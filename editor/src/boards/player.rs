@@ -1,9 +1,11 @@
 //! The player: which program, where in time, how fast; and its text with the line that runs.
 
 use super::draw::kind_colour;
-use crate::model::cut::{Fault, Kind, Now, Play};
+use crate::model::cut::Fault;
+use crate::model::play::{Kind, Now, Play};
 use crate::theme::Theme;
 use eframe::egui::{self, ComboBox, RichText, ScrollArea, Slider, TextStyle, Ui};
+use tenon_geometry::DVec3;
 use tenon_nodes::value::Standing;
 
 /// Where the tool is.
@@ -18,8 +20,12 @@ pub struct Player {
     pub playing: bool,
     /// The text is shown.
     pub code: bool,
+    /// The board is shown in space.
+    pub solid: bool,
     /// What proofs have found wrong.
     pub faults: Vec<Fault>,
+    /// A place of a board that is to be brought into view.
+    pub show: Option<(u32, DVec3)>,
     /// Something was played, so that the tool is drawn.
     begun: bool,
     /// The line that the text was brought to.
@@ -34,14 +40,16 @@ impl Default for Player {
             speed: 20.0,
             playing: false,
             code: false,
+            solid: false,
             faults: Vec::new(),
+            show: None,
             begun: false,
             at_line: 0,
         }
     }
 }
 
-fn clock(seconds: f64) -> String {
+pub(super) fn clock(seconds: f64) -> String {
     let s = seconds.max(0.0).round() as u64;
     format!("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
 }
@@ -56,6 +64,12 @@ impl Player {
     /// Goes to a time and shows the tool there.
     pub fn go_to(&mut self, time: f64) {
         (self.time, self.begun) = (time, true);
+    }
+
+    /// Whether the proof has found something wrong in what runs just now.
+    pub fn struck(&self, play: &Play, now: Now) -> bool {
+        let line = play.steps.get(now.step).map(|s| s.line);
+        line.is_some() && self.faults.iter().any(|f| f.board == play.board && f.line == line)
     }
 
     /// Takes the program of a board.
@@ -96,6 +110,10 @@ impl Player {
             ui.label(format!("{} of {}", clock(self.time), clock(length)))
                 .on_hover_text("estimated: rapid moves at 20 m/min, no acceleration, no tool changes");
             ui.toggle_value(&mut self.code, "Program");
+            if ui.toggle_value(&mut self.solid, "In space").on_hover_text("the board and the tool as bodies").changed()
+            {
+                self.begun = true;
+            }
             self.choose_fault(ui, play);
         });
         ui.horizontal(|ui| {
@@ -112,8 +130,11 @@ impl Player {
             if slider.changed() {
                 self.begun = true;
             }
-            ui.add(egui::DragValue::new(&mut self.speed).range(0.1..=1000.0).speed(1.0).max_decimals(1).suffix(" ×"))
-                .on_hover_text("times real time");
+            self.mark_faults(ui, slider.rect, play, length);
+            let speed =
+                egui::DragValue::new(&mut self.speed).range(0.1..=1000.0).speed(1.0).max_decimals(1).suffix(" ×");
+            let speed = ui.add(speed).on_hover_text("times real time");
+            speed.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::DragValue, true, "speed"));
         });
         ui.horizontal(|ui| {
             let kinds =
@@ -125,7 +146,20 @@ impl Player {
             if let Some((step, tool)) = step.and_then(|s| Some((s, play.tool(s)?))) {
                 ui.label(RichText::new(format!("line {}, tool {}: {}", step.line, tool.number, tool.name)).small());
             }
+            if let Some((part, time)) = step.and_then(|s| play.part(s)) {
+                ui.label(RichText::new(format!("part {part}: {} in all", clock(time))).small());
+            }
         });
+    }
+
+    /// Marks on the slider where in time the proof has found something wrong.
+    fn mark_faults(&self, ui: &Ui, slider: egui::Rect, play: &Play, length: f64) {
+        let own = self.faults.iter().filter(|f| f.board == play.board);
+        let colour = Theme::of(ui).error;
+        for time in own.filter_map(|f| play.time_of(f.line?)) {
+            let x = slider.left() + slider.width() * (time / length.max(1e-9)) as f32;
+            ui.painter().vline(x, slider.top()..=slider.top() + 5.0, egui::Stroke::new(1.5, colour));
+        }
     }
 
     /// The list of what proofs found wrong with a program; choosing one goes there.
@@ -134,20 +168,24 @@ impl Player {
         if own.is_empty() {
             return;
         }
-        let mut go = None;
+        let mut chosen = None;
         let words = RichText::new(format!("{} faults", own.len())).color(Theme::of(ui).error);
         ui.menu_button(words, |ui| {
             ScrollArea::vertical().max_height(260.0).show(ui, |ui| {
                 for fault in &own {
                     if ui.button(&fault.words).clicked() {
-                        go = fault.line.and_then(|l| play.time_of(l));
+                        chosen = Some((*fault).clone());
                         ui.close();
                     }
                 }
             });
         });
-        if let Some(time) = go {
-            self.go_to(time);
+        if let Some(fault) = chosen {
+            // What is left standing is no line's fault: then only its place is shown.
+            if let Some(time) = fault.line.and_then(|l| play.time_of(l)) {
+                self.go_to(time);
+            }
+            self.show = fault.at.map(|at| (fault.board, at));
         }
     }
 
@@ -156,7 +194,7 @@ impl Player {
         let Some(play) = plays.get(self.program) else { return };
         let line = play.at(self.time).and_then(|n| play.steps.get(n.step)).map_or(1, |s| s.line);
         let height = ui.text_style_height(&TextStyle::Monospace) + ui.spacing().item_spacing.y;
-        let mut area = ScrollArea::both().auto_shrink(false);
+        let mut area = ScrollArea::both().auto_shrink(false).id_salt("program text");
         if line != self.at_line {
             // The line that runs stays in the middle.
             let middle = (ui.available_height() / 2.0 / height).floor();

@@ -3,6 +3,7 @@
 
 pub mod arrange;
 mod arrives;
+pub mod beside;
 pub mod catalog;
 pub mod critical;
 pub mod cut;
@@ -14,6 +15,7 @@ pub mod inside;
 mod interface;
 pub mod keep;
 pub mod param;
+pub mod play;
 pub mod plugins;
 pub mod results;
 pub mod salvage;

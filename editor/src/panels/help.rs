@@ -29,12 +29,14 @@ const KEYS: &[(&str, &str)] = &[
     ("Esc", "give up what is being dragged; else stop the evaluation; then: select nothing"),
     ("F5", "evaluate again"),
     ("drag in the viewport", "turn; with Shift or the middle button: move"),
-    (
-        "drag a point in the viewport",
-        "move it in a plane; with X, Y or Z held along that axis, with Shift on a grid of 10 mm",
-    ),
+    ("drag a point in the viewport", "move it in a plane; with X, Y or Z held along that axis, with Shift on a grid"),
     ("click a panel", "select it and its node"),
     ("F over the canvas or the viewport", "show all, or what is selected; Home: all of the canvas"),
+    (
+        "7, 1, 3 over the viewport",
+        "from above, in front, on the right; with Ctrl: from the other side; 0: from a corner",
+    ),
+    ("5 over the viewport", "perspective or parallel lines"),
 ];
 
 /// Shows the keys in a window while `open`.

@@ -4,7 +4,7 @@ use super::data::DataView;
 use super::pieces::Pieces;
 use crate::model::Model;
 use crate::model::critical::critical_path;
-use crate::model::cut::Play;
+use crate::model::play::Play;
 use crate::theme::{self, Theme};
 use crate::viewport::Picked;
 use eframe::egui::{Align2, FontId, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};

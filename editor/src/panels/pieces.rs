@@ -2,9 +2,11 @@
 //! the panel.
 
 use crate::model::Model;
-use crate::model::cut::{Play, boards};
+use crate::model::cut::boards;
+use crate::model::play::Play;
 use crate::viewport::Picked;
 use eframe::egui::{RichText, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, WidgetType, vec2};
+use std::collections::{BTreeSet, HashMap};
 use std::fmt::Write as _;
 use tenon_geometry::joint::Machining;
 
@@ -29,7 +31,7 @@ const COLUMNS: [&str; 7] = ["address", "board", "area m²", "volume dm³", "edge
 /// The list, kept while nothing changes.
 #[derive(Default)]
 pub struct Pieces {
-    of: Option<(u64, usize)>,
+    of: Option<(u64, BTreeSet<String>, usize)>,
     all: Vec<Piece>,
     /// The output whose panels the parts are.
     panels: Option<String>,
@@ -46,9 +48,10 @@ fn list(model: &Model, plays: &[Play]) -> (Vec<Piece>, Option<String>) {
         }
     }
     let times: Vec<_> = plays.iter().map(Play::time_of_parts).collect();
+    let lies: HashMap<u32, u32> = found.layout.placements.iter().map(|p| (p.part, p.board)).collect();
     let all = (0..panels.len()).map(|i| {
         let address = panels.address.get(i).map_or_else(|| i.to_string(), ToString::to_string);
-        let board = found.layout.placements.iter().find(|p| p.part as usize == i).map(|p| p.board);
+        let board = lies.get(&(i as u32)).copied();
         Piece {
             part: i as u32,
             board,
@@ -56,7 +59,7 @@ fn list(model: &Model, plays: &[Play]) -> (Vec<Piece>, Option<String>) {
             volume: panels.volume(i),
             edges: panels.corners(i).len(),
             holes: holes[i],
-            time: times.iter().filter_map(|t| t.get(&address)).sum(),
+            time: times.iter().filter_map(|t| t.get(address.as_str())).sum(),
             address,
         }
     });
@@ -94,11 +97,15 @@ fn cells(p: &Piece) -> [String; 7] {
 impl Pieces {
     /// Shows the list; gives the panel that was clicked.
     pub fn show(&mut self, ui: &mut Ui, model: &Model, plays: &[Play]) -> Option<Picked> {
-        let now = (model.results.count, model.selection.len());
-        if self.of != Some(now) {
+        // The programs come later than the values that they are read from.
+        let read = plays.as_ptr() as usize;
+        let same = |(count, selection, read_from): &(u64, BTreeSet<String>, usize)| {
+            *count == model.results.count && *read_from == read && *selection == model.selection
+        };
+        if !self.of.as_ref().is_some_and(same) {
             (self.all, self.panels) = list(model, plays);
             sort(&mut self.all, self.sorted);
-            self.of = Some(now);
+            self.of = Some((model.results.count, model.selection.clone(), read));
         }
         if self.all.is_empty() {
             ui.weak("No node gives a layout yet. The pieces appear once parts are packed.");

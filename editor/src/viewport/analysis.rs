@@ -50,6 +50,14 @@ impl Measure {
         }
     }
 
+    /// A figure as people type it, in the unit that it is shown in.
+    #[must_use]
+    pub fn read(&self, text: &str) -> Option<f64> {
+        let end = text.trim().find(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c)));
+        let number: f64 = text.trim().get(..end.unwrap_or(text.trim().len()))?.parse().ok()?;
+        Some(if *self == Self::Size { number * 1e6 } else { number })
+    }
+
     /// A figure for people.
     #[must_use]
     pub fn shown(&self, value: f64) -> String {
@@ -69,6 +77,10 @@ pub struct Measured {
     pub measure: Measure,
     /// Smallest and largest figure.
     pub range: [f64; 2],
+    /// From where to where the colours go; what lies beyond bears the last one.
+    pub shown: [f64; 2],
+    /// Another one for other figures or another range of colours.
+    pub key: u128,
     /// The list; NaN for gaps.
     numbers: Arc<Vec<f64>>,
 }
@@ -82,12 +94,13 @@ impl Measured {
             let number = |i| column.get::<f64>(i).copied().or_else(|| column.get::<i64>(i).map(|v| *v as f64));
             numbers.extend((0..column.len()).map(|i| number(i).unwrap_or(f64::NAN)));
         }
-        let mut found = Self { measure: measure.clone(), range: [0.0; 2], numbers: Arc::new(numbers) };
+        let numbers = Arc::new(numbers);
+        let mut found = Self { measure: measure.clone(), range: [0.0; 2], shown: [0.0; 2], key: 0, numbers };
         let faces = drawings.values().filter(|d| matches!(d.kind, Kind::Panels | Kind::Mesh));
         let all = faces.flat_map(|d| (0..d.parts.len()).map(|i| found.figure(d, i)));
         let range =
             all.filter(|v| v.is_finite()).fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)]);
-        found.range = range;
+        (found.range, found.shown) = (range, range);
         (range[0] <= range[1]).then_some(found)
     }
 
@@ -117,7 +130,7 @@ pub fn gradient(t: f64) -> Color32 {
 #[derive(Clone, PartialEq)]
 struct For {
     digest: u128,
-    measure: Option<Measured>,
+    measure: Option<u128>,
     picked: Option<u32>,
 }
 
@@ -142,7 +155,7 @@ impl Colours {
             self.kept.remove(output);
             return self.plain.clone();
         }
-        let now = For { digest: drawing.digest, measure: measure.cloned(), picked };
+        let now = For { digest: drawing.digest, measure: measure.map(|m| m.key), picked };
         if let Some((made_for, colours)) = self.kept.get(output)
             && *made_for == now
         {
@@ -152,7 +165,7 @@ impl Colours {
         let mut colours: Vec<u32> = match measure {
             None => vec![0; drawing.parts.len()],
             Some(m) => {
-                let [low, high] = m.range;
+                let [low, high] = m.shown;
                 let colour = |v: f64| match v {
                     v if !v.is_finite() => 0,
                     v => bytes(gradient(if high > low { (v - low) / (high - low) } else { 0.5 })),
@@ -171,10 +184,15 @@ impl Colours {
     }
 }
 
-/// What the colours mean, in the upper right corner.
+/// Where the legend's bar stands.
+pub fn bar(area: Rect) -> Rect {
+    Rect::from_min_size(area.right_top() + vec2(-26.0, 108.0), vec2(14.0, 150.0))
+}
+
+/// What the colours mean, on the right; the ends of the range stand beside it, to be changed.
 pub fn legend(painter: &Painter, area: Rect, theme: &Theme, m: &Measured) {
-    let (measure, [low, high]) = (&m.measure, m.range);
-    let bar = Rect::from_min_size(area.right_top() + vec2(-26.0, 90.0), vec2(14.0, 150.0));
+    let (measure, [low, high]) = (&m.measure, m.shown);
+    let bar = bar(area);
     let steps = 50;
     for i in 0..steps {
         let t = f64::from(i) / f64::from(steps - 1);
@@ -184,16 +202,24 @@ pub fn legend(painter: &Painter, area: Rect, theme: &Theme, m: &Measured) {
     }
     let text =
         |at, words: String| painter.text(at, Align2::RIGHT_CENTER, words, FontId::proportional(12.0), theme.text);
-    text(bar.left_top() - vec2(5.0, 0.0), measure.shown(high));
     text(bar.left_center() - vec2(5.0, 0.0), measure.shown((low + high) / 2.0));
-    text(bar.left_bottom() - vec2(5.0, 0.0), measure.shown(low));
     let name = measure.name();
-    painter.text(bar.right_top() - vec2(0.0, 16.0), Align2::RIGHT_CENTER, name, FontId::proportional(12.0), theme.text);
+    painter.text(bar.right_top() - vec2(0.0, 22.0), Align2::RIGHT_CENTER, name, FontId::proportional(12.0), theme.text);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn figures_are_read_as_they_are_shown() {
+        for measure in Measure::ALL {
+            let value = if measure == Measure::Size { 123_400.0 } else { 12.5 };
+            assert_eq!(measure.read(&measure.shown(value)), Some(value), "{measure:?}");
+        }
+        assert_eq!(Measure::Size.read("0.5"), Some(5e5));
+        assert_eq!(Measure::Fold.read("wide"), None);
+    }
 
     #[test]
     fn the_gradient_ends_where_it_should() {

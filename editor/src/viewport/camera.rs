@@ -34,10 +34,16 @@ impl Default for Camera {
 pub enum Standard {
     /// From above.
     Top,
-    /// Against Y.
+    /// From below.
+    Bottom,
+    /// Along Y.
     Front,
+    /// Against Y.
+    Back,
     /// Against X.
     Right,
+    /// Along X.
+    Left,
     /// From a corner.
     Corner,
 }
@@ -78,13 +84,31 @@ impl Camera {
     /// Where a place is on screen; none if it lies behind the eye.
     #[must_use]
     pub fn project(&self, area: Rect, p: DVec3) -> Option<Pos2> {
-        let clip: DVec4 = self.matrix(aspect(area)) * p.extend(1.0);
-        if clip.w <= 1e-9 {
-            return None;
+        self.projector(area)(p)
+    }
+
+    /// As [`Camera::project`], for many places.
+    pub fn projector(&self, area: Rect) -> impl Fn(DVec3) -> Option<Pos2> + use<> {
+        let matrix = self.matrix(aspect(area));
+        move |p| {
+            let clip: DVec4 = matrix * p.extend(1.0);
+            if clip.w <= 1e-9 {
+                return None;
+            }
+            let x = (clip.x / clip.w * 0.5 + 0.5) as f32 * area.width();
+            let y = (0.5 - clip.y / clip.w * 0.5) as f32 * area.height();
+            Some(pos2(area.left() + x, area.top() + y))
         }
-        let x = (clip.x / clip.w * 0.5 + 0.5) as f32 * area.width();
-        let y = (0.5 - clip.y / clip.w * 0.5) as f32 * area.height();
-        Some(pos2(area.left() + x, area.top() + y))
+    }
+
+    /// The direction in which a place is looked at from it, towards the eye: where the eye stands, or along the view.
+    #[must_use]
+    pub fn towards(&self, p: DVec3) -> DVec3 {
+        if self.orthographic {
+            self.back()
+        } else {
+            (self.target + self.back() * self.distance - p).normalize_or_zero()
+        }
     }
 
     /// The ray through a place on screen: where it begins and its unit direction.
@@ -143,8 +167,11 @@ impl Camera {
         let quarter = std::f64::consts::FRAC_PI_2;
         (self.yaw, self.pitch) = match from {
             Standard::Top => (-quarter, quarter),
+            Standard::Bottom => (-quarter, -quarter),
             Standard::Front => (-quarter, 0.0),
+            Standard::Back => (quarter, 0.0),
             Standard::Right => (0.0, 0.0),
+            Standard::Left => (2.0 * quarter, 0.0),
             Standard::Corner => (Self::default().yaw, Self::default().pitch),
         };
     }
@@ -173,6 +200,24 @@ mod tests {
             camera.zoom(area, at, 0.5);
             let (origin, direction) = camera.ray(area, at);
             assert!((camera.target - origin).dot(direction) > 0.0);
+        }
+    }
+
+    #[test]
+    fn named_views_look_from_where_they_say() {
+        let views = [
+            (Standard::Top, DVec3::Z),
+            (Standard::Bottom, -DVec3::Z),
+            (Standard::Front, -DVec3::Y),
+            (Standard::Back, DVec3::Y),
+            (Standard::Right, DVec3::X),
+            (Standard::Left, -DVec3::X),
+        ];
+        for (from, back) in views {
+            let mut camera = Camera::default();
+            camera.stand(from);
+            assert!(camera.back().distance(back) < 1e-12, "{from:?}");
+            assert!(camera.towards(camera.target).distance(back) < 1e-12, "{from:?}");
         }
     }
 

@@ -45,6 +45,17 @@ pub struct Shown {
     pub coloured_lines: bool,
     /// It is cut by the frame's plane.
     pub clipped: bool,
+    /// What is seen on its faces, whose parts are corners then: 0 to 3 from the picture's first row, left to right.
+    pub picture: Option<Arc<Picture>>,
+}
+
+/// A picture to be laid on faces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Rows of r, g, b, a bytes, the uppermost first.
+    pub bytes: Vec<u8>,
 }
 
 /// What is to be drawn in one frame.
@@ -73,6 +84,7 @@ struct Buffers {
     points: Vec<(wgpu::Buffer, u32)>,
     uniforms: wgpu::Buffer,
     group: wgpu::BindGroup,
+    photo: Option<wgpu::BindGroup>,
 }
 
 /// The picture that is drawn into.
@@ -89,6 +101,9 @@ struct Pipelines {
     faces: wgpu::RenderPipeline,
     lines: wgpu::RenderPipeline,
     points: wgpu::RenderPipeline,
+    photos: wgpu::RenderPipeline,
+    photo_layout: wgpu::BindGroupLayout,
+    smooth: wgpu::Sampler,
     blit: wgpu::RenderPipeline,
     sampler: wgpu::Sampler,
 }
@@ -135,13 +150,40 @@ impl Pipelines {
             bind_group_layouts: &[Some(&layout)],
             ..Default::default()
         });
+        let visibility = wgpu::ShaderStages::FRAGMENT;
+        let photo_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("photo"),
+            entries: &[
+                wgpu::BindGroupLayoutEntry {
+                    binding: 0,
+                    visibility,
+                    ty: wgpu::BindingType::Texture {
+                        sample_type: wgpu::TextureSampleType::Float { filterable: true },
+                        view_dimension: wgpu::TextureViewDimension::D2,
+                        multisampled: false,
+                    },
+                    count: None,
+                },
+                wgpu::BindGroupLayoutEntry {
+                    binding: 1,
+                    visibility,
+                    ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+                    count: None,
+                },
+            ],
+        });
+        let with_photo = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("scene with photo"),
+            bind_group_layouts: &[Some(&layout), Some(&photo_layout)],
+            ..Default::default()
+        });
         let face = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm8x4, 2 => Uint32];
         let line = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Uint32];
         let point = wgpu::vertex_attr_array![0 => Float32x3];
         let pipeline = |name: &str, stride: u64, step_mode, attributes: &[wgpu::VertexAttribute]| {
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(name),
-                layout: Some(&common),
+                layout: Some(if name == "photo" { &with_photo } else { &common }),
                 vertex: wgpu::VertexState {
                     module: &scene,
                     entry_point: Some(&format!("{name}_vertex")),
@@ -192,6 +234,13 @@ impl Pipelines {
             faces: pipeline("face", size_of::<Vertex>() as u64, wgpu::VertexStepMode::Vertex, &face),
             lines: pipeline("line", size_of::<Line>() as u64, wgpu::VertexStepMode::Instance, &line),
             points: pipeline("point", 12, wgpu::VertexStepMode::Instance, &point),
+            photos: pipeline("photo", size_of::<Vertex>() as u64, wgpu::VertexStepMode::Vertex, &face),
+            photo_layout,
+            smooth: device.create_sampler(&wgpu::SamplerDescriptor {
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
             sampler: device.create_sampler(&Default::default()),
             layout,
             blit,
@@ -233,7 +282,32 @@ impl Pipelines {
         }
     }
 
-    fn buffers(&self, device: &wgpu::Device, shown: &Shown) -> Buffers {
+    /// A picture as the card takes it.
+    fn photo(&self, device: &wgpu::Device, queue: &wgpu::Queue, picture: &Picture) -> wgpu::BindGroup {
+        let descriptor = wgpu::TextureDescriptor {
+            label: Some("photo"),
+            size: wgpu::Extent3d { width: picture.size[0], height: picture.size[1], depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: COLOUR,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        };
+        let order = wgpu::util::TextureDataOrder::LayerMajor;
+        let view =
+            device.create_texture_with_data(queue, &descriptor, order, &picture.bytes).create_view(&Default::default());
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &self.photo_layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.smooth) },
+            ],
+        })
+    }
+
+    fn buffers(&self, device: &wgpu::Device, queue: &wgpu::Queue, shown: &Shown) -> Buffers {
         let make = |bytes: &[u8], usage| {
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents: bytes, usage })
         };
@@ -262,6 +336,7 @@ impl Pipelines {
             points: chunks(bytemuck::cast_slice(&d.points), 12),
             uniforms,
             group,
+            photo: shown.picture.as_ref().map(|p| self.photo(device, queue, p)),
         }
     }
 }
@@ -327,7 +402,7 @@ impl Frame {
                     && (Arc::ptr_eq(&b.colours, &shown.colours) || b.colours == shown.colours)
             });
             if !fresh {
-                r.buffers.insert(shown.key.clone(), r.pipelines.buffers(device, shown));
+                r.buffers.insert(shown.key.clone(), r.pipelines.buffers(device, queue, shown));
             }
             if let Some(b) = r.buffers.get(&shown.key) {
                 let uniforms = self.uniforms(shown, size, scale);
@@ -359,7 +434,13 @@ impl Frame {
         });
         for b in self.shown.iter().filter_map(|s| r.buffers.get(&s.key)) {
             pass.set_bind_group(0, &b.group, &[]);
-            pass.set_pipeline(&r.pipelines.faces);
+            match &b.photo {
+                Some(photo) => {
+                    pass.set_pipeline(&r.pipelines.photos);
+                    pass.set_bind_group(1, photo, &[]);
+                }
+                None => pass.set_pipeline(&r.pipelines.faces),
+            }
             for (buffer, count) in &b.triangles {
                 pass.set_vertex_buffer(0, buffer.slice(..));
                 pass.draw(0..*count, 0..1);
@@ -375,16 +456,49 @@ impl Frame {
     }
 }
 
-/// A picture of a frame, `size` pixels; lines are as wide as at `scale` pixels per point. Rows of r, g, b, a bytes.
+/// Most pixels of a picture: a gibibyte of memory.
+const MOST_PIXELS: u64 = 1 << 28;
+/// Larger pictures are drawn in tiles of this side, pixels.
+const TILE: u32 = 2048;
+
+/// A picture of a frame, `size` pixels; lines are as wide as at `scale` pixels per point. Rows of r, g, b, a bytes. What is
+/// larger than the card can make, or than a moderate tile, is drawn in tiles.
 ///
 /// # Errors
-/// If the card cannot make pictures so large, or does not give it.
+/// If it has no or too many pixels, or the card does not give it.
 pub fn picture(state: &egui_wgpu::RenderState, frame: &Frame, size: [u32; 2], scale: f32) -> Result<Vec<u8>, String> {
-    let (device, queue) = (&state.device, &state.queue);
-    let most = device.limits().max_texture_dimension_2d;
-    if size.iter().any(|s| *s == 0 || *s > most) {
-        return Err(format!("{} × {} pixels: this card makes 1 to {most} each way", size[0], size[1]));
+    let [w, h] = size;
+    if w == 0 || h == 0 || u64::from(w) * u64::from(h) > MOST_PIXELS {
+        return Err(format!("{w} × {h} pixels: it may have 1 to {MOST_PIXELS}"));
     }
+    let side = state.device.limits().max_texture_dimension_2d.min(TILE);
+    let mut all = vec![0; w as usize * h as usize * 4];
+    for y in (0..h).step_by(side as usize) {
+        for x in (0..w).step_by(side as usize) {
+            let part = [side.min(w - x), side.min(h - y)];
+            let tile = Frame { matrix: window([x, y], part, size) * frame.matrix, ..frame.clone() };
+            let bytes = tile_of(state, &tile, part, scale)?;
+            for (row, from) in bytes.chunks_exact(part[0] as usize * 4).enumerate() {
+                let at = ((y as usize + row) * w as usize + x as usize) * 4;
+                all[at..at + from.len()].copy_from_slice(from);
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// From the clip space of a whole picture to that of a part of it, pixels from the upper left corner.
+fn window(at: [u32; 2], part: [u32; 2], whole: [u32; 2]) -> glam::DMat4 {
+    let share = |k: usize| f64::from(part[k]) / f64::from(whole[k]);
+    let middle = |k: usize| (2.0 * f64::from(at[k]) + f64::from(part[k])) / f64::from(whole[k]) - 1.0;
+    let (sx, sy) = (1.0 / share(0), 1.0 / share(1));
+    // Rows count down, clip space up.
+    let shift = glam::DVec4::new(-middle(0) * sx, middle(1) * sy, 0.0, 1.0);
+    glam::DMat4::from_cols(glam::DVec4::X * sx, glam::DVec4::Y * sy, glam::DVec4::Z, shift)
+}
+
+fn tile_of(state: &egui_wgpu::RenderState, frame: &Frame, size: [u32; 2], scale: f32) -> Result<Vec<u8>, String> {
+    let (device, queue) = (&state.device, &state.queue);
     let mut renderer = state.renderer.write();
     let r = renderer.callback_resources.get_mut::<Resources>().ok_or("there is no viewport")?;
     frame.bring(device, queue, size, scale, r);
@@ -415,4 +529,21 @@ pub fn picture(state: &egui_wgpu::RenderState, frame: &Frame, size: [u32; 2], sc
     let bytes = buffer.get_mapped_range(..).map_err(|e| e.to_string())?;
     let rows = bytes.chunks_exact(row as usize).flat_map(|r| &r[..size[0] as usize * 4]);
     Ok(rows.copied().collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DVec3, DVec4};
+
+    #[test]
+    fn a_tile_shows_its_part_of_the_picture() {
+        let m = window([100, 50], [100, 50], [400, 200]);
+        // The tile's upper left corner is at (100, 50) of 400 × 200 pixels.
+        let corner = DVec4::new(-0.5, 0.5, 0.3, 1.0) * 2.0;
+        assert!((m * corner / 2.0).truncate().distance(DVec3::new(-1.0, 1.0, 0.3)) < 1e-12);
+        let other = DVec4::new(0.0, 0.0, 0.3, 1.0);
+        assert!((m * other).truncate().distance(DVec3::new(1.0, -1.0, 0.3)) < 1e-12);
+        assert_eq!(window([0, 0], [8, 8], [8, 8]), glam::DMat4::IDENTITY);
+    }
 }

@@ -1,6 +1,7 @@
 //! Points of the document taken by hand: dragged in a plane or along an axis, snapped to a grid, or typed.
 
 use super::Camera;
+use super::section::Clip;
 use crate::model::Model;
 use crate::model::handle::{Handle, Place, set_weight, weight};
 use crate::theme::Theme;
@@ -9,25 +10,74 @@ use eframe::egui::{
 };
 use glam::DVec3;
 
-/// The grid that points snap to with Shift, mm.
+/// The grid that points snap to with Shift at first, mm.
 const GRID: f64 = 10.0;
 
+/// In which plane points are dragged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Drag {
+    /// That of two axes which the eye sees best.
+    #[default]
+    Best,
+    /// Level.
+    XY,
+    /// Square to Y.
+    XZ,
+    /// Square to X.
+    YZ,
+    /// Square to the view.
+    View,
+}
+
 /// Which points there are and which one is being moved.
-#[derive(Default)]
 pub struct Hand {
+    /// In which plane they are dragged.
+    pub plane: Drag,
+    /// The grid that they snap to with Shift, mm.
+    pub grid: f64,
     /// All points, and the revision and results that they are of.
     points: Vec<Handle>,
     of: Option<(u64, u64)>,
     /// The point as it was when it was taken, and its distance from the pointer then.
     taken: Option<(Handle, DVec3)>,
     chosen: Option<Handle>,
-    /// A coordinate is being typed or turned as one step.
+    /// Coordinates are being typed or turned as one step.
     turning: bool,
 }
 
+impl Default for Hand {
+    fn default() -> Self {
+        let (plane, points) = (Drag::Best, Vec::new());
+        Self { plane, grid: GRID, points, of: None, taken: None, chosen: None, turning: false }
+    }
+}
+
 impl Hand {
-    /// Shows all points and moves the one that is taken; true if one was clicked.
-    pub fn show(&mut self, ui: &mut Ui, area: Rect, camera: &Camera, model: &mut Model) -> bool {
+    /// In which plane and on which grid points are dragged, to be chosen.
+    pub(super) fn choose(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            ui.label("Drag points in");
+            let planes = [
+                (Drag::Best, "the best plane"),
+                (Drag::XY, "XY"),
+                (Drag::XZ, "XZ"),
+                (Drag::YZ, "YZ"),
+                (Drag::View, "the view"),
+            ];
+            for (plane, words) in planes {
+                ui.selectable_value(&mut self.plane, plane, words);
+            }
+        });
+        ui.horizontal(|ui| {
+            ui.label("with Shift on a grid of");
+            let field =
+                ui.add(DragValue::new(&mut self.grid).range(0.01..=1e4).speed(0.5).max_decimals(2).suffix(" mm"));
+            field.widget_info(|| WidgetInfo::labeled(WidgetType::DragValue, true, "grid"));
+        });
+    }
+
+    /// Shows all points that are not cut away and moves the one that is taken; true if one was clicked.
+    pub fn show(&mut self, ui: &mut Ui, area: Rect, camera: &Camera, clip: Option<Clip>, model: &mut Model) -> bool {
         let now = (model.revision(), model.results.count);
         if self.of != Some(now) {
             self.points = model.handles();
@@ -37,6 +87,10 @@ impl Hand {
         let painter = ui.painter_at(area);
         let mut clicked = false;
         for handle in self.points.clone() {
+            let held = self.taken.as_ref().is_some_and(|(t, _)| t.same(&handle));
+            if clip.is_some_and(|c| c.side(handle.at) > 0.0) && !held {
+                continue;
+            }
             let Some(at) = camera.project(area, handle.at).filter(|at| area.contains(*at)) else { continue };
             let id = Id::new(("handle", handle.label()));
             let response = ui.interact(Rect::from_center_size(at, vec2(16.0, 16.0)), id, Sense::click_and_drag());
@@ -73,11 +127,12 @@ impl Hand {
             };
             painter.circle(at, radius, fill, Stroke::new(1.5, Color32::WHITE));
             response.on_hover_text(format!(
-                "{}: {:.2}, {:.2}, {:.2} mm\ndrag: in a plane, with X, Y or Z held along that axis, with Shift on a grid",
+                "{}: {:.2}, {:.2}, {:.2} mm\ndrag: in a plane, with X, Y or Z held along that axis, with Shift on a grid of {} mm",
                 handle.label(),
                 handle.at.x,
                 handle.at.y,
-                handle.at.z
+                handle.at.z,
+                self.grid
             ));
         }
         let weighed = self.weigh(ui, area, camera, model);
@@ -117,7 +172,7 @@ impl Hand {
         used
     }
 
-    /// Where the pointer means the point to be: in the plane of two axes that the eye sees best, or along an axis.
+    /// Where the pointer means the point to be: in the plane that was chosen, or along an axis.
     fn under(&self, ui: &Ui, area: Rect, camera: &Camera, handle: &Handle, at: Pos2) -> Option<DVec3> {
         let (origin, direction) = camera.ray(area, at);
         let held = [Key::X, Key::Y, Key::Z].into_iter().zip(DVec3::AXES).find(|(k, _)| ui.input(|i| i.key_down(*k)));
@@ -129,8 +184,18 @@ impl Hand {
             return (length > 1e-9).then(|| handle.at + axis * along);
         }
         let back = camera.back();
-        let best = DVec3::AXES.into_iter().max_by(|a, b| a.dot(back).abs().total_cmp(&b.dot(back).abs()))?;
-        let along = (handle.at - origin).dot(best) / direction.dot(best);
+        let normal = match self.plane {
+            Drag::Best => DVec3::AXES.into_iter().max_by(|a, b| a.dot(back).abs().total_cmp(&b.dot(back).abs()))?,
+            Drag::XY => DVec3::Z,
+            Drag::XZ => DVec3::Y,
+            Drag::YZ => DVec3::X,
+            Drag::View => back,
+        };
+        // A plane that is seen from its edge would send the point anywhere.
+        if direction.dot(normal).abs() < 0.02 {
+            return None;
+        }
+        let along = (handle.at - origin).dot(normal) / direction.dot(normal);
         (along.is_finite() && along > 0.0).then(|| origin + direction * along)
     }
 
@@ -140,7 +205,7 @@ impl Hand {
         let grip = if held { DVec3::ZERO } else { *grip };
         let Some(mut to) = self.under(ui, area, camera, start, pointer).map(|p| p + grip) else { return };
         if ui.input(|i| i.modifiers.shift) {
-            to = (to / GRID).round() * GRID;
+            to = (to / self.grid).round() * self.grid;
         }
         let now = self.points.iter().find(|h| h.same(start)).cloned().unwrap_or_else(|| start.clone());
         let operation = now.move_to(to, model.document()).filter(|_| (now.at - to).length() > 5e-3);
@@ -172,10 +237,19 @@ impl Hand {
                             let field = DragValue::new(value)
                                 .speed(1.0)
                                 .max_decimals(2)
+                                .update_while_editing(false)
                                 .prefix(format!("{axis} "))
                                 .suffix(" mm");
                             let response = ui.add(field);
-                            settled &= !response.dragged();
+                            response.widget_info(|| {
+                                WidgetInfo::labeled(
+                                    WidgetType::DragValue,
+                                    true,
+                                    format!("{axis} of {}", handle.label()),
+                                )
+                            });
+                            // From the first field that is typed in to the last it is one step.
+                            settled &= !response.dragged() && !response.has_focus();
                         }
                         settled
                     })

@@ -4,6 +4,7 @@ mod analysis;
 mod camera;
 mod gpu;
 mod hand;
+mod labels;
 mod paths;
 mod reference;
 mod ruler;
@@ -13,6 +14,9 @@ mod tools;
 pub use analysis::Measure;
 pub use camera::{Camera, Standard};
 pub use gpu::install;
+pub(crate) use gpu::{Frame, Shown};
+pub use hand::{Drag, Hand};
+pub use reference::{PICTURES, Reference};
 pub use ruler::Ruler;
 pub use section::Clip;
 
@@ -22,14 +26,13 @@ use crate::scene::Kind;
 use crate::theme::Theme;
 use analysis::{Colours, Measured};
 use eframe::egui::{
-    self, Align2, Color32, FontId, Id, PointerButton, Rect, Response, Sense, Stroke, Ui, WidgetInfo, WidgetType,
+    self, Align2, Color32, FontId, Id, Key, PointerButton, Rect, Response, Sense, Stroke, Ui, WidgetInfo, WidgetType,
 };
-use glam::DVec3;
-use gpu::{Frame, Shown};
-use hand::Hand;
+use glam::{DVec2, DVec3};
+use std::sync::Arc;
 
-/// No more labels than this are drawn.
-const MOST_LABELS: usize = 3000;
+/// Curves and points so near to the pointer are picked, points of the screen.
+const NEAR: f64 = 6.0;
 
 /// A part that was picked: an output (`node.port`) and the number of the part.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,11 +52,16 @@ pub struct Viewport {
     pub picked: Option<Picked>,
     /// Whether parts bear their labels.
     pub labels: bool,
-    hand: Hand,
+    written: labels::Labels,
+    /// Points taken by hand, and how they are dragged.
+    pub hand: Hand,
     /// All is to be brought into view as soon as there is something.
     fit: bool,
     /// What is shown in colours.
     pub measure: Option<Measure>,
+    /// From where to where the colours go; none: over all figures. It belongs to the measure.
+    pub range: Option<(Measure, [f64; 2])>,
+    measured: Option<Arc<Measured>>,
     colours: Colours,
     /// Measuring by hand.
     pub ruler: Ruler,
@@ -62,9 +70,11 @@ pub struct Viewport {
     section: section::Section,
     /// Tool paths are shown.
     pub tool_paths: bool,
+    /// Rapid moves too.
+    pub rapid_moves: bool,
     paths: paths::Paths,
     /// What stands behind the model.
-    pub references: Vec<reference::Reference>,
+    pub references: Vec<Reference>,
     /// What a file is wanted for.
     pub wants: Option<Browse>,
     /// Size of saved pictures, pixels.
@@ -74,8 +84,49 @@ pub struct Viewport {
     drawn: Option<Frame>,
 }
 
-fn rgb(colour: Color32) -> [f32; 3] {
+pub(crate) fn rgb(colour: Color32) -> [f32; 3] {
     [colour.r(), colour.g(), colour.b()].map(|c| f32::from(c) / 255.0)
+}
+
+/// Turns, moves and nears the eye as the hand says, and looks from where a key says.
+pub(crate) fn look(camera: &mut Camera, ui: &Ui, response: &Response) {
+    let area = response.rect;
+    let (shift, scroll, pinch, at) =
+        ui.input(|i| (i.modifiers.shift, i.smooth_scroll_delta.y, i.zoom_delta(), i.pointer.latest_pos()));
+    if response.dragged() {
+        let by = response.drag_delta();
+        let (dx, dy) = (f64::from(by.x), f64::from(by.y));
+        if response.dragged_by(PointerButton::Middle) || shift {
+            camera.pan(area, dx, dy);
+        } else {
+            camera.orbit(dx, dy);
+        }
+    }
+    if !response.contains_pointer() {
+        return;
+    }
+    if let Some(at) = at.filter(|at| area.contains(*at) && (scroll != 0.0 || pinch != 1.0)) {
+        let factor = if pinch != 1.0 { 1.0 / f64::from(pinch) } else { f64::from(-scroll * 0.003).exp() };
+        camera.zoom(area, at, factor);
+    }
+    if ui.ctx().egui_wants_keyboard_input() {
+        return;
+    }
+    // As on a number pad in other programs: 7 is above, 1 in front, 3 on the right; with Ctrl the other side.
+    let keys = [
+        (Key::Num7, Standard::Top, Standard::Bottom),
+        (Key::Num1, Standard::Front, Standard::Back),
+        (Key::Num3, Standard::Right, Standard::Left),
+        (Key::Num0, Standard::Corner, Standard::Corner),
+    ];
+    for (key, plain, other) in keys {
+        if ui.input(|i| i.key_pressed(key)) {
+            camera.stand(if ui.input(|i| i.modifiers.command) { other } else { plain });
+        }
+    }
+    if ui.input(|i| i.key_pressed(Key::Num5)) {
+        camera.orthographic = !camera.orthographic;
+    }
 }
 
 impl Viewport {
@@ -141,16 +192,16 @@ impl Viewport {
         if self.fit {
             self.bring_into_view(area, model);
         }
-        self.look(ui, &response);
+        look(&mut self.camera, ui, &response);
+        self.measure_all(model);
         self.render(ui, area, model);
         if self.labels {
-            self.paint_labels(ui, area, model);
+            let panels = model.results.drawings.values().filter(|d| d.kind == Kind::Panels).cloned().collect();
+            let (painter, ink) = (ui.painter_at(area), Theme::of(ui).text);
+            self.written.paint(ui.ctx(), &painter, ink, (area, &self.camera), self.clip, panels);
         }
         self.axes(ui, area);
-        if let Some(measured) = self.measured(model) {
-            analysis::legend(&ui.painter_at(area), area, &Theme::of(ui), &measured);
-        }
-        let taken = self.hand.show(ui, area, &self.camera, model);
+        let taken = self.hand.show(ui, area, &self.camera, self.clip, model);
         if response.clicked() && !taken {
             if self.ruler.on {
                 self.measure_to(&response, model);
@@ -161,16 +212,80 @@ impl Viewport {
         self.ruler.paint(&ui.painter_at(area), &Theme::of(ui), &self.camera, area);
         self.say_what_is_picked(ui, area, model);
         self.buttons(ui, area, model);
+        self.legend(ui, area);
     }
 
-    /// What is shown in colours, and from which figure to which.
-    fn measured(&self, model: &Model) -> Option<Measured> {
-        let measure = self.measure.as_ref()?;
+    /// Whether nothing is on its way from other threads.
+    #[must_use]
+    pub fn settled(&self) -> bool {
+        self.paths.settled() && self.section.settled() && self.written.settled()
+    }
+
+    /// The addresses that are written on panels.
+    pub fn written(&self) -> impl Iterator<Item = &str> {
+        self.written.shown()
+    }
+
+    /// The legend, whose ends can be changed.
+    fn legend(&mut self, ui: &mut Ui, area: Rect) {
+        let Some(measured) = self.measured.clone() else { return };
+        analysis::legend(&ui.painter_at(area), area, &Theme::of(ui), &measured);
+        let bar = analysis::bar(area);
+        let mut range = measured.shown;
+        let speed = (measured.range[1] - measured.range[0]).abs().max(1e-9) / 200.0;
+        for (k, y, name) in [(1, bar.top(), "largest in colours"), (0, bar.bottom(), "smallest in colours")] {
+            let room = Rect::from_center_size(egui::pos2(bar.left() - 56.0, y), egui::vec2(100.0, 20.0));
+            let measure = measured.measure.clone();
+            let field = egui::DragValue::new(&mut range[k])
+                .speed(speed)
+                .update_while_editing(false)
+                .custom_formatter(move |v, _| measure.shown(v))
+                .custom_parser({
+                    let measure = measured.measure.clone();
+                    move |text| measure.read(text)
+                });
+            let response = ui.put(room, field).on_hover_text("drag or type; double-click beside: all figures again");
+            response.widget_info(|| WidgetInfo::labeled(WidgetType::DragValue, true, name));
+        }
+        if range != measured.shown && range[0] <= range[1] {
+            self.range = Some((measured.measure.clone(), range));
+        }
+        let all = ui.interact(bar, Id::new("legend"), Sense::click());
+        all.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "legend"));
+        if all.double_clicked() {
+            self.range = None;
+        }
+    }
+
+    /// Measures what is shown in colours, if it is not what was measured last. O(outputs), O(parts) after a change.
+    fn measure_all(&mut self, model: &Model) {
+        let Some(measure) = &self.measure else {
+            self.measured = None;
+            return;
+        };
         let list = match measure {
-            Measure::Numbers(address) => Some(model.results.values.get(&**address)?),
+            Measure::Numbers(address) => match model.results.values.get(&**address) {
+                Some(list) => Some(list),
+                None => {
+                    self.measured = None;
+                    return;
+                }
+            },
             _ => None,
         };
-        Measured::new(measure, &model.results.drawings, list)
+        let range = self.range.as_ref().filter(|(of, _)| of == measure).map(|(_, range)| *range);
+        let digests = model.results.drawings.values().map(|d| d.digest).chain(list.map(tenon_engine::Tree::digest));
+        let numbers = range.iter().flatten().map(|v| u128::from(v.to_bits()));
+        let name = tenon_engine::digest_bytes(measure.name().as_bytes());
+        let key =
+            digests.chain(numbers).fold(name, |sum, d| sum.rotate_left(29).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ d);
+        if self.measured.as_ref().is_some_and(|m| m.key == key) {
+            return;
+        }
+        self.measured = Measured::new(measure, &model.results.drawings, list).map(|mut m| {
+            (m.shown, m.key) = (range.unwrap_or(m.range), key);
+            Arc::new(m)
+        });
     }
 
     /// Smallest and largest coordinates of all that is shown.
@@ -179,21 +294,35 @@ impl Viewport {
         all.chain(self.references.iter().map(|r| r.drawing.bounds)).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
-    /// What a ray meets first of all that is drawn: output, part and place.
+    /// What is drawn first under the pointer: output, part and place. A curve or point near the pointer goes before the body
+    /// behind it.
     fn meet(&self, area: Rect, at: egui::Pos2, model: &Model) -> Option<(String, u32, DVec3)> {
         let (origin, direction) = self.camera.ray(area, at);
         let seen = |p: DVec3| self.clip.is_none_or(|c| c.side(p) <= 0.0);
         let all = model.results.drawings.iter();
-        let hits = all.filter_map(|(output, d)| d.pick(origin, direction, seen).map(|h| (output, h)));
-        let (output, (part, along)) = hits.min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
-        Some((output.clone(), part, origin + direction * along))
+        let hits = all.clone().filter_map(|(output, d)| d.pick(origin, direction, seen).map(|h| (output, h)));
+        let solid = hits.min_by(|a, b| a.1.1.total_cmp(&b.1.1));
+        let solid = solid.map(|(output, (part, along))| (output, part, origin + direction * along));
+        // What lies a little behind a face is on it.
+        let slack = self.camera.distance * 0.003;
+        let hidden = |p: DVec3| solid.is_some_and(|(_, _, hit)| (hit - p).dot(direction) < -slack);
+        let place = self.camera.projector(area);
+        let picture = |p: DVec3| {
+            let at = place(p).filter(|_| seen(p))?;
+            Some(DVec2::new(f64::from(at.x), f64::from(at.y)))
+        };
+        let pointer = DVec2::new(f64::from(at.x), f64::from(at.y));
+        let thin = all.filter_map(|(output, d)| d.pick_thin(pointer, NEAR, picture).map(|h| (output, h)));
+        let thin = thin.filter(|(_, h)| !hidden(h.1)).min_by(|a, b| a.1.2.total_cmp(&b.1.2));
+        let thin = thin.map(|(output, (part, place, _))| (output, part, place));
+        thin.or(solid).map(|(output, part, place)| (output.clone(), part, place))
     }
 
     fn measure_to(&mut self, response: &Response, model: &Model) {
         let Some(at) = response.interact_pointer_pos() else { return };
-        let Some((output, _, hit)) = self.meet(response.rect, at, model) else { return };
+        let Some((output, part, hit)) = self.meet(response.rect, at, model) else { return };
         let drawing = model.results.drawings.get(&output);
-        let corners = drawing.into_iter().flat_map(|d| &d.triangles).map(|v| DVec3::from(v.position.map(f64::from)));
+        let corners = drawing.into_iter().flat_map(|d| d.corners_of(part));
         self.ruler.take(Ruler::snapped(&self.camera, response.rect, at, hit, corners));
     }
 
@@ -208,30 +337,9 @@ impl Viewport {
         }
     }
 
-    fn look(&mut self, ui: &Ui, response: &Response) {
-        let area = response.rect;
-        let (shift, scroll, pinch, at) =
-            ui.input(|i| (i.modifiers.shift, i.smooth_scroll_delta.y, i.zoom_delta(), i.pointer.latest_pos()));
-        if response.dragged() {
-            let by = response.drag_delta();
-            let (dx, dy) = (f64::from(by.x), f64::from(by.y));
-            if response.dragged_by(PointerButton::Middle) || shift {
-                self.camera.pan(area, dx, dy);
-            } else {
-                self.camera.orbit(dx, dy);
-            }
-        }
-        if let Some(at) =
-            at.filter(|at| response.contains_pointer() && area.contains(*at) && (scroll != 0.0 || pinch != 1.0))
-        {
-            let factor = if pinch != 1.0 { 1.0 / f64::from(pinch) } else { f64::from(-scroll * 0.003).exp() };
-            self.camera.zoom(area, at, factor);
-        }
-    }
-
     fn render(&mut self, ui: &Ui, area: Rect, model: &Model) {
         let theme = Theme::of(ui);
-        let measure = self.measured(model);
+        let measure = self.measured.clone();
         let mut shown = Vec::new();
         for (output, drawing) in &model.results.drawings {
             let chosen = model.is_chosen(output);
@@ -244,23 +352,22 @@ impl Viewport {
             let mut line = line;
             if chosen {
                 face = Color32::from_rgb(150, 205, 140);
-                if matches!(drawing.kind, Kind::Curve | Kind::Points) {
-                    line = theme.selected;
-                }
+                line = theme.selected;
             }
             let width = match drawing.kind {
                 Kind::Curve => [2.2, 4.0],
                 _ => [1.0, 4.0],
             };
             let picked = self.picked.as_ref().filter(|p| p.output == *output).map(|p| p.part);
-            let colours = self.colours.of(output, drawing, measure.as_ref(), picked);
+            let colours = self.colours.of(output, drawing, measure.as_deref(), picked);
             let open = drawing.kind == Kind::Mesh;
             let (face, line) = (rgb(face), rgb(line));
             let (key, drawing) = (output.clone(), drawing.clone());
-            let (coloured_lines, clipped) = (false, true);
-            shown.push(Shown { key, drawing, face, line, width, colours, open, coloured_lines, clipped });
+            // Of curves the one that is picked bears its own colour.
+            let (coloured_lines, clipped, picture) = (drawing.kind == Kind::Curve, true, None);
+            shown.push(Shown { key, drawing, face, line, width, colours, open, coloured_lines, clipped, picture });
         }
-        self.besides(&theme, model, &mut shown);
+        self.besides(ui, &theme, model, &mut shown);
         let aspect = f64::from(area.width().max(1.0) / area.height().max(1.0));
         let frame = Frame {
             matrix: self.camera.matrix(aspect),
@@ -275,7 +382,7 @@ impl Viewport {
     }
 
     /// What is drawn besides what nodes make: references, tool paths, the outline of a section.
-    fn besides(&mut self, theme: &Theme, model: &Model, shown: &mut Vec<Shown>) {
+    fn besides(&mut self, ui: &Ui, theme: &Theme, model: &Model, shown: &mut Vec<Shown>) {
         let plain = |key: String, drawing, line: Color32| Shown {
             key,
             drawing,
@@ -286,18 +393,32 @@ impl Viewport {
             open: true,
             coloured_lines: false,
             clipped: true,
+            picture: None,
         };
         for r in &self.references {
-            let colours = r.colours.clone();
-            shown.push(Shown { colours, ..plain(format!("behind {}", r.name), r.drawing.clone(), theme.faint) });
+            let picture = r.picture.clone();
+            shown.push(Shown { picture, ..plain(format!("behind {}", r.name), r.drawing.clone(), theme.faint) });
         }
-        if let Some((drawing, colours)) = Some(()).filter(|()| self.tool_paths).and_then(|()| self.paths.of(model)) {
-            shown.push(Shown { colours, coloured_lines: true, ..plain("tool paths".into(), drawing, theme.text) });
+        if let Some(paths) = Some(()).filter(|()| self.tool_paths).and_then(|()| self.paths.of(ui.ctx(), model)) {
+            let way = |key: &str, drawing, width| {
+                let colours = paths.colours.clone();
+                Shown { colours, width, coloured_lines: true, ..plain(key.into(), drawing, theme.text) }
+            };
+            shown.push(way("tool paths", paths.feed, [1.8, 4.0]));
+            if self.rapid_moves {
+                shown.push(way("rapid moves", paths.rapid, [0.8, 4.0]));
+            }
         }
-        let section = self.clip.and_then(|clip| self.section.of(clip, model.results.drawings.values()));
+        let section = self.clip.and_then(|clip| self.section.of(ui.ctx(), clip, model.results.drawings.values()));
         if let Some(drawing) = section {
             let line = plain("section".into(), drawing, theme.error);
-            shown.push(Shown { width: [2.5, 4.0], clipped: false, ..line });
+            shown.push(Shown {
+                face: rgb(Color32::from_rgb(232, 132, 96)),
+                width: [2.5, 4.0],
+                clipped: false,
+                open: false,
+                ..line
+            });
         }
     }
 
@@ -310,17 +431,6 @@ impl Viewport {
         if let Some(id) = self.picked.as_ref().and_then(|p| model.local(&p.output)).map(str::to_owned) {
             // The part is shown by its own colour, so that it stands out of the others.
             model.selection.insert(id);
-        }
-    }
-
-    fn paint_labels(&self, ui: &Ui, area: Rect, model: &Model) {
-        let painter = ui.painter_at(area);
-        let ink = Theme::of(ui).text;
-        let panels = model.results.drawings.values().filter(|d| d.kind == Kind::Panels);
-        for part in panels.flat_map(|d| &d.parts).take(MOST_LABELS) {
-            if let Some(at) = self.camera.project(area, part.centre).filter(|at| area.contains(*at)) {
-                painter.text(at, Align2::CENTER_CENTER, &part.label, FontId::proportional(10.0), ink);
-            }
         }
     }
 
@@ -350,10 +460,15 @@ impl Viewport {
                 text += &format!(", {} {}", measure.name(), measure.shown(measure.of(part)));
             }
         }
-        let listed = self.measured(model).filter(|m| matches!(m.measure, Measure::Numbers(_)));
+        let listed = self.measured.as_ref().filter(|m| matches!(m.measure, Measure::Numbers(_)));
         if let (Some(m), Some(drawing)) = (listed, model.results.drawings.get(&picked.output)) {
             let figure = m.figure(drawing, picked.part as usize);
             text += &format!(", {} {}", m.measure.name(), m.measure.shown(figure));
+        }
+        if part.area <= 0.0
+            && let Some(at) = self.camera.project(area, part.centre)
+        {
+            ui.painter_at(area).circle_stroke(at, 8.0, Stroke::new(2.0, Theme::of(ui).selected));
         }
         let at = egui::pos2(area.left() + 70.0, area.bottom() - 12.0);
         ui.painter_at(area).text(at, Align2::LEFT_BOTTOM, text, FontId::proportional(13.0), Theme::of(ui).text);

@@ -1,89 +1,148 @@
-//! A plane that cuts the view open: what lies in front of it is not drawn, and where it meets faces their outline is.
+//! A plane that cuts the view open: what lies in front of it is not drawn, and where it meets bodies they are filled.
 
-use crate::scene::{Drawing, Kind, Line, Part};
+use crate::model::beside::Beside;
+use crate::scene::{Drawing, Kind, Line, Part, Vertex};
+use eframe::egui::Context;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A plane square to an axis.
+/// A plane of any direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clip {
-    /// 0, 1, 2 for X, Y, Z.
-    pub axis: usize,
-    /// Where it stands on that axis, mm.
+    /// Unit normal, towards what is cut away.
+    pub normal: DVec3,
+    /// How far the plane lies from the origin along it, mm.
     pub at: f64,
-    /// What lies below it is cut away, not what lies above.
-    pub below: bool,
 }
 
 impl Clip {
-    /// Square to the plane, towards what is cut away.
+    /// A plane square to an axis (0, 1, 2 for X, Y, Z); what lies beyond it is cut away.
     #[must_use]
-    pub fn normal(self) -> DVec3 {
-        let n = [DVec3::X, DVec3::Y, DVec3::Z][self.axis.min(2)];
-        if self.below { -n } else { n }
+    pub fn square_to(axis: usize, at: f64) -> Self {
+        Self { normal: DVec3::AXES[axis.min(2)], at }
+    }
+
+    /// A plane through a place.
+    #[must_use]
+    pub fn through(place: DVec3, normal: DVec3) -> Self {
+        let normal = normal.normalize_or(DVec3::X);
+        Self { normal, at: place.dot(normal) }
+    }
+
+    /// The same plane with the other side cut away.
+    #[must_use]
+    pub fn flipped(self) -> Self {
+        Self { normal: -self.normal, at: -self.at }
     }
 
     /// How far a place lies on the side that is cut away, mm; negative where it is seen.
     #[must_use]
     pub fn side(self, p: DVec3) -> f64 {
-        let away = p[self.axis.min(2)] - self.at;
-        if self.below { -away } else { away }
+        p.dot(self.normal) - self.at
     }
 
     /// Normal and distance as the graphics card wants them.
     #[must_use]
     pub fn plane(self) -> [f32; 4] {
-        let n = self.normal();
-        let d = if self.below { self.at } else { -self.at };
-        [n.x as f32, n.y as f32, n.z as f32, d as f32]
+        let n = self.normal;
+        [n.x as f32, n.y as f32, n.z as f32, -self.at as f32]
+    }
+
+    /// From where to where the plane can be moved to meet a box, mm.
+    #[must_use]
+    pub fn reach(self, [low, high]: [DVec3; 2]) -> [f64; 2] {
+        let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
+        let (at, by) = (middle.dot(self.normal), half.dot(self.normal.abs()));
+        [at - by, at + by]
+    }
+
+    /// Turn about Z and height over the ground of the normal, degrees.
+    #[must_use]
+    pub fn angles(self) -> [f64; 2] {
+        let n = self.normal;
+        [n.y.atan2(n.x).to_degrees(), n.z.clamp(-1.0, 1.0).asin().to_degrees()]
+    }
+
+    /// The plane through the same place with a normal of those angles.
+    #[must_use]
+    pub fn turned(self, [turn, tilt]: [f64; 2], place: DVec3) -> Self {
+        let ((st, ct), (sh, ch)) = (turn.to_radians().sin_cos(), tilt.to_radians().sin_cos());
+        Self::through(place, DVec3::new(ct * ch, st * ch, sh))
     }
 }
 
-/// The outline of a section, kept while nothing changes.
+/// A section, made beside the window while nothing changes.
 #[derive(Default)]
 pub struct Section {
-    made_for: Option<(Clip, Vec<u128>)>,
-    drawing: Option<Arc<Drawing>>,
+    made: Beside<Option<Arc<Drawing>>>,
 }
 
 impl Section {
-    /// The lines in which a plane meets the faces of drawings; none if it meets none. O(triangles) after a change.
-    pub fn of<'a>(&mut self, clip: Clip, all: impl Iterator<Item = &'a Arc<Drawing>>) -> Option<Arc<Drawing>> {
-        let all: Vec<&Arc<Drawing>> = all.filter(|d| !d.triangles.is_empty()).collect();
-        let now = (clip, all.iter().map(|d| d.digest).collect::<Vec<_>>());
-        if self.made_for.as_ref() != Some(&now) {
-            self.drawing = cut(clip, &all).map(Arc::new);
-            self.made_for = Some(now);
-        }
-        self.drawing.clone()
+    /// Where a plane cuts drawings: outlines, and bodies filled; none if it meets none.
+    pub fn of<'a>(
+        &mut self,
+        ctx: &Context,
+        clip: Clip,
+        all: impl Iterator<Item = &'a Arc<Drawing>>,
+    ) -> Option<Arc<Drawing>> {
+        let all: Vec<Arc<Drawing>> = all.filter(|d| !d.triangles.is_empty()).cloned().collect();
+        let bits = clip.normal.to_array().into_iter().chain([clip.at]).map(|v| u128::from(v.to_bits()));
+        let digests = all.iter().map(|d| d.digest);
+        // Only that it is another than before matters.
+        let key =
+            bits.chain(digests).fold(7_u128, |sum, d| sum.rotate_left(29).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ d);
+        let ctx = ctx.clone();
+        let make = move || cut(clip, &all).map(|d| Arc::new(Drawing { digest: key, ..d }));
+        self.made.want(key, move || ctx.request_repaint(), make);
+        self.made.last()?.as_ref().clone()
+    }
+
+    /// Whether nothing is being cut.
+    pub fn settled(&self) -> bool {
+        self.made.settled()
     }
 }
 
-fn cut(clip: Clip, all: &[&Arc<Drawing>]) -> Option<Drawing> {
-    let mut lines = Vec::new();
-    for t in all.iter().flat_map(|d| d.triangles.chunks_exact(3)) {
-        let p = [t[0], t[1], t[2]].map(|v| DVec3::from(v.position.map(f64::from)));
-        let s = p.map(|p| clip.side(p));
-        let mut ends = Vec::with_capacity(2);
-        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
-            if (s[a] > 0.0) != (s[b] > 0.0) {
-                ends.push(p[a].lerp(p[b], s[a] / (s[a] - s[b])));
+/// O(triangles).
+fn cut(clip: Clip, all: &[Arc<Drawing>]) -> Option<Drawing> {
+    let mut section = Drawing::empty(Kind::Mesh);
+    for d in all {
+        for own in d.triangles.chunk_by(|a, b| a.part == b.part) {
+            let first = section.lines.len();
+            own.chunks_exact(3).for_each(|t| section.lines.extend(met(clip, t)));
+            if d.kind == Kind::Panels {
+                let filled = fill(&section.lines[first..]);
+                section.triangles.extend(filled);
             }
         }
-        if let [from, to] = ends[..] {
-            let (from, to) = (from.as_vec3().to_array(), to.as_vec3().to_array());
-            lines.push(Line { from, to, part: 0 });
-        }
     }
-    // Only that it is another than before matters.
-    let digest = (clip.at.to_bits() as u128) << 8 | (clip.axis as u128) << 1 | u128::from(clip.below);
-    let digest = all.iter().fold(digest, |sum, d| sum.rotate_left(17) ^ d.digest);
-    let ends = lines.iter().flat_map(|l| [l.from, l.to]).map(|p| DVec3::from(p.map(f64::from)));
-    let bounds = ends.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[a, b], p| [a.min(p), b.max(p)]);
-    let parts = vec![Part::new("section".into(), bounds[0])];
-    let none = Vec::new();
-    let shown = !lines.is_empty();
-    shown.then_some(Drawing { kind: Kind::Curve, triangles: Vec::new(), lines, points: none, parts, bounds, digest })
+    let ends = section.lines.iter().flat_map(|l| [l.from, l.to]).map(|p| DVec3::from(p.map(f64::from)));
+    section.bounds = ends.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[a, b], p| [a.min(p), b.max(p)]);
+    section.parts = vec![Part::new("section".into(), section.bounds[0])];
+    (!section.lines.is_empty()).then_some(section)
+}
+
+/// The line in which a triangle meets the plane.
+fn met(clip: Clip, triangle: &[Vertex]) -> Option<Line> {
+    let [a, b, c] = triangle else { return None };
+    let p = [a, b, c].map(|v| DVec3::from(v.position.map(f64::from)));
+    let s = p.map(|p| clip.side(p));
+    let crossing = |(a, b): (usize, usize)| {
+        ((s[a] > 0.0) != (s[b] > 0.0)).then(|| p[a].lerp(p[b], s[a] / (s[a] - s[b])).as_vec3().to_array())
+    };
+    let mut ends = [(0, 1), (1, 2), (2, 0)].into_iter().filter_map(crossing);
+    Some(Line { from: ends.next()?, to: ends.next()?, part: 0 })
+}
+
+/// What a plane cuts of a convex body with that outline, as a fan about its middle.
+fn fill(outline: &[Line]) -> Vec<Vertex> {
+    let place = |p: [f32; 3]| DVec3::from(p.map(f64::from));
+    let count = 2.0 * outline.len().max(1) as f64;
+    let middle = outline.iter().map(|l| place(l.from) + place(l.to)).sum::<DVec3>() / count;
+    // Lit alike whatever the plane's direction.
+    let normal = [0, 0, 127, 0];
+    let vertex = |position| Vertex { position, normal, part: 0 };
+    outline.iter().flat_map(|l| [middle.as_vec3().to_array(), l.from, l.to].map(vertex)).collect()
 }
 
 #[cfg(test)]
@@ -93,17 +152,47 @@ mod tests {
     use tenon_geometry::mesh::Mesh;
     use tenon_nodes::value::V;
 
+    fn drawn(points: &[[f64; 3]], faces: &[[u32; 4]]) -> Drawing {
+        let points = points.iter().map(|p| DVec3::from_array(*p)).collect();
+        crate::scene::draw(&Tree::item(V::new(Mesh::from_faces(points, faces)))).unwrap()
+    }
+
     #[test]
     fn a_plane_meets_a_square_in_one_line() {
-        let points = [[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [0.0, 2.0]].map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
-        let mesh =
-            Arc::new(crate::scene::draw(&Tree::item(V::new(Mesh::from_faces(points, &[[0, 1, 2, 3]])))).unwrap());
-        let clip = Clip { axis: 0, at: 1.0, below: false };
+        let corners = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 2.0, 0.0], [0.0, 2.0, 0.0]];
+        let mesh = Arc::new(drawn(&corners, &[[0, 1, 2, 3]]));
+        let clip = Clip::square_to(0, 1.0);
         assert!(clip.side(DVec3::new(3.0, 0.0, 0.0)) > 0.0 && clip.side(DVec3::ZERO) < 0.0);
-        let mut section = Section::default();
-        let d = section.of(clip, [&mesh].into_iter()).unwrap();
+        assert!(clip.flipped().side(DVec3::new(3.0, 0.0, 0.0)) < 0.0);
+        let d = cut(clip, std::slice::from_ref(&mesh)).unwrap();
         let length: f32 = d.lines.iter().map(|l| (l.to[1] - l.from[1]).abs()).sum();
         assert!((length - 2.0).abs() < 1e-6 && d.lines.iter().all(|l| l.from[0] == 1.0));
-        assert!(section.of(Clip { at: 9.0, ..clip }, [&mesh].into_iter()).is_none());
+        assert!(cut(Clip { at: 9.0, ..clip }, &[mesh]).is_none());
+    }
+
+    #[test]
+    fn a_body_is_filled_where_a_leaning_plane_cuts_it() {
+        let corners: Vec<[f64; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|c| f64::from(c) * 2.0)).collect();
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let mut cube = drawn(&corners, &faces);
+        // One body, as a panel is.
+        cube.kind = Kind::Panels;
+        cube.triangles.iter_mut().for_each(|v| v.part = 0);
+        let clip = Clip::through(DVec3::ONE, DVec3::new(1.0, 0.0, 1.0));
+        let d = cut(clip, &[Arc::new(cube)]).unwrap();
+        let place = |v: &Vertex| DVec3::from(v.position.map(f64::from));
+        let area: f64 = d
+            .triangles
+            .chunks_exact(3)
+            .map(|t| {
+                let [a, b, c] = [place(&t[0]), place(&t[1]), place(&t[2])];
+                0.5 * (b - a).cross(c - a).length()
+            })
+            .sum();
+        assert!((area - 2.0 * 8f64.sqrt()).abs() < 1e-5, "{area}");
+        let turned = clip.turned([90.0, 0.0], DVec3::ONE);
+        assert!(turned.normal.distance(DVec3::Y) < 1e-12 && (turned.at - 1.0).abs() < 1e-12);
+        assert!((clip.angles()[1] - 45.0).abs() < 1e-9);
+        assert_eq!(Clip::square_to(2, 0.0).reach([DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)]), [0.0, 3.0]);
     }
 }

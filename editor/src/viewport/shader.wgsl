@@ -117,3 +117,28 @@ fn point_fragment(in: Stroke) -> @location(0) vec4<f32> {
     }
     return vec4(u.line.rgb, 1.0);
 }
+
+@group(1) @binding(0) var photo: texture_2d<f32>;
+@group(1) @binding(1) var smooth_photo: sampler;
+
+struct Photo {
+    @builtin(position) at: vec4<f32>,
+    @location(0) place: vec2<f32>,
+    @location(1) clipped: f32,
+}
+
+// A picture on faces whose parts are its corners.
+@vertex
+fn photo_vertex(@location(0) at: vec3<f32>, @location(1) normal: vec4<f32>, @location(2) part: u32) -> Photo {
+    let place = vec2(f32(part & 1u), f32((part >> 1u) & 1u));
+    return Photo(u.matrix * vec4(at, 1.0), place, clipped(at));
+}
+
+@fragment
+fn photo_fragment(in: Photo) -> @location(0) vec4<f32> {
+    let colour = textureSample(photo, smooth_photo, in.place);
+    if in.clipped > 0.0 || colour.a < 0.02 {
+        discard;
+    }
+    return vec4(colour.rgb, 1.0);
+}

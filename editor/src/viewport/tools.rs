@@ -5,7 +5,9 @@ use super::section::Clip;
 use super::{Standard, Viewport};
 use crate::model::Model;
 use crate::panels::Browse;
+use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 use eframe::egui::{self, DragValue, Rect, Ui};
+use glam::DVec3;
 
 impl Viewport {
     pub(super) fn buttons(&mut self, ui: &mut Ui, area: Rect, model: &Model) {
@@ -18,18 +20,24 @@ impl Viewport {
                 self.show_all();
             }
             let views = [
-                ("Top", Standard::Top),
-                ("Front", Standard::Front),
-                ("Right", Standard::Right),
-                ("Corner", Standard::Corner),
+                ("Top", Standard::Top, "7"),
+                ("Bottom", Standard::Bottom, "Ctrl+7"),
+                ("Front", Standard::Front, "1"),
+                ("Back", Standard::Back, "Ctrl+1"),
+                ("Right", Standard::Right, "3"),
+                ("Left", Standard::Left, "Ctrl+3"),
+                ("Corner", Standard::Corner, "0"),
             ];
-            for (words, from) in views {
-                if ui.button(words).clicked() {
-                    self.camera.stand(from);
+            ui.menu_button("Views", |ui| {
+                for (words, from, key) in views {
+                    if ui.add(egui::Button::new(words).shortcut_text(key)).clicked() {
+                        self.camera.stand(from);
+                        ui.close();
+                    }
                 }
-            }
+            });
             let words = if self.camera.orthographic { "Parallel" } else { "Perspective" };
-            if ui.button(words).on_hover_text("Switch between perspective and parallel lines").clicked() {
+            if ui.button(words).on_hover_text("Switch between perspective and parallel lines (5)").clicked() {
                 self.camera.orthographic = !self.camera.orthographic;
             }
             ui.toggle_value(&mut self.labels, "Addresses");
@@ -37,7 +45,9 @@ impl Viewport {
             if ui.toggle_value(&mut self.ruler.on, "Measure").changed() {
                 self.ruler.ends.clear();
             }
-            ui.menu_button("More", |ui| self.more(ui, model));
+            // What is set there is set one after the other, so it stays open.
+            let stays = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
+            MenuButton::new("More").config(stays).ui(ui, |ui| self.more(ui, model));
         });
     }
 
@@ -61,51 +71,74 @@ impl Viewport {
     }
 
     fn more(&mut self, ui: &mut Ui, model: &Model) {
-        ui.checkbox(&mut self.tool_paths, "Tool paths").on_hover_text("of every part, where its panel is");
+        ui.horizontal(|ui| {
+            ui.checkbox(&mut self.tool_paths, "Tool paths").on_hover_text("of every part, where its panel is");
+            ui.add_enabled(self.tool_paths, egui::Checkbox::new(&mut self.rapid_moves, "rapid moves too"));
+        });
         ui.separator();
-        let bounds = self.bounds(model);
-        let mut cut = self.clip.is_some();
-        if ui.checkbox(&mut cut, "Cut open").on_hover_text("a plane in front of which nothing is drawn").changed() {
-            let middle = bounds.map_or(0.0, |[a, b]| (a.x + b.x) / 2.0);
-            self.clip = cut.then_some(Clip { axis: 0, at: middle, below: false });
-        }
-        if let Some(clip) = &mut self.clip {
-            ui.horizontal(|ui| {
-                for (axis, words) in ["X", "Y", "Z"].into_iter().enumerate() {
-                    if ui.selectable_label(clip.axis == axis, words).clicked() {
-                        let at = bounds.map_or(0.0, |[a, b]| (a[axis] + b[axis]) / 2.0);
-                        *clip = Clip { axis, at, ..*clip };
-                    }
-                }
-                ui.add(DragValue::new(&mut clip.at).speed(5.0).suffix(" mm").max_decimals(1));
-                ui.toggle_value(&mut clip.below, "other side");
-            });
-        }
+        self.hand.choose(ui);
+        ui.separator();
+        self.choose_clip(ui, model);
         ui.separator();
         if ui.button("Mesh or picture behind …").clicked() {
             self.wants = Some(Browse::Reference);
             ui.close();
         }
-        let mut gone = None;
-        for (i, reference) in self.references.iter().enumerate() {
-            ui.horizontal(|ui| {
-                ui.weak(&reference.name);
-                if ui.small_button("×").on_hover_text("do not show it any more").clicked() {
-                    gone = Some(i);
-                }
-            });
-        }
-        gone.map(|i| self.references.remove(i));
+        self.references.retain_mut(|reference| !reference.edit(ui));
         ui.separator();
         ui.horizontal(|ui| {
             let [w, h] = &mut self.picture_size;
-            ui.add(DragValue::new(w).range(16..=16384).speed(8.0));
+            ui.add(DragValue::new(w).range(16..=65536).speed(8.0));
             ui.label("×");
-            ui.add(DragValue::new(h).range(16..=16384).speed(8.0));
+            ui.add(DragValue::new(h).range(16..=65536).speed(8.0));
             if ui.button("Save a picture …").clicked() {
                 self.wants = Some(Browse::Picture);
                 ui.close();
             }
         });
+    }
+
+    /// The plane that cuts the view open: its direction, its place, and which side goes.
+    fn choose_clip(&mut self, ui: &mut Ui, model: &Model) {
+        let bounds = self.bounds(model).unwrap_or([DVec3::ZERO, DVec3::ONE]);
+        let middle = (bounds[0] + bounds[1]) / 2.0;
+        let mut cut = self.clip.is_some();
+        if ui.checkbox(&mut cut, "Cut open").on_hover_text("a plane in front of which nothing is drawn").changed() {
+            self.clip = cut.then_some(Clip::square_to(0, middle.x));
+        }
+        let back = self.camera.back();
+        let Some(clip) = &mut self.clip else { return };
+        ui.horizontal(|ui| {
+            for (axis, words) in ["X", "Y", "Z"].into_iter().enumerate() {
+                let on = clip.normal.abs_diff_eq(DVec3::AXES[axis], 1e-9)
+                    || clip.normal.abs_diff_eq(-DVec3::AXES[axis], 1e-9);
+                if ui.selectable_label(on, words).clicked() {
+                    *clip = Clip::square_to(axis, middle[axis]);
+                }
+            }
+            if ui.button("This view").on_hover_text("square to the view").clicked() {
+                *clip = Clip::through(middle, back);
+            }
+            if ui.button("Other side").clicked() {
+                *clip = clip.flipped();
+            }
+        });
+        let [from, to] = clip.reach(bounds);
+        ui.horizontal(|ui| {
+            let slider = ui.add(egui::Slider::new(&mut clip.at, from..=to).show_value(false));
+            slider.widget_info(|| egui::WidgetInfo::slider(true, 0.0, "place of the section"));
+            ui.add(DragValue::new(&mut clip.at).speed(5.0).suffix(" mm").max_decimals(1));
+        });
+        let [mut turn, mut tilt] = clip.angles();
+        let before = [turn, tilt];
+        ui.horizontal(|ui| {
+            ui.add(DragValue::new(&mut turn).speed(1.0).max_decimals(1).prefix("turned ").suffix("°"));
+            ui.add(
+                DragValue::new(&mut tilt).range(-90.0..=90.0).speed(1.0).max_decimals(1).prefix("tilted ").suffix("°"),
+            );
+        });
+        if [turn, tilt] != before {
+            *clip = clip.turned([turn, tilt], clip.normal * clip.at);
+        }
     }
 }
