@@ -43,9 +43,11 @@ fn player(w: &mut Window, save: impl Fn(&mut Window, &str)) {
     w.settle();
     let length = w.app().boards.plays()[0].length();
     w.app().boards.player.code = true;
-    w.app().boards.player.go_to(0.35 * length);
+    w.app().boards.player.go_to(0.75 * length);
     w.settle();
-    w.app().boards.show_all();
+    // Near enough to see holes, grain and the tool.
+    let near = w.app().boards.now().map(|(play, now)| (play.board, now.tip));
+    w.app().boards.player.show = near;
     w.settle();
     save(w, "editor-boards");
     w.harness.ctx.set_theme(eframe::egui::Theme::Light);
@@ -86,6 +88,13 @@ fn open(save: impl Fn(&mut Window, &str)) {
     w.app().viewport.tool_paths = true;
     w.app().viewport.clip = Some(tenon_editor::viewport::Clip::square_to(0, 2600.0));
     w.app().lower.toggle(tenon_editor::panels::Tab::Pieces);
+    w.settle();
+    // Near enough to see single moves.
+    let parts = &w.app().model.results.drawings["thicken.panels"].parts;
+    let off = |p: &tenon_editor::scene::Part| (p.centre.x - 2500.0).abs() + (p.centre.y - 500.0).abs();
+    let near = parts.iter().min_by(|a, b| off(a).total_cmp(&off(b))).map(|p| p.centre);
+    let camera = &mut w.app().viewport.camera;
+    (camera.target, camera.distance) = (near.unwrap(), 1500.0);
     w.settle();
     save(&mut w, "editor-open");
 }

@@ -178,7 +178,7 @@ impl Work {
         while self.done < step {
             self.cut(play, self.done, 1.0);
             (self.done, self.part_way) = (self.done + 1, 0.0);
-            if self.done % every == 0 && self.kept.last().is_none_or(|(at, _)| *at < self.done) {
+            if self.done.is_multiple_of(every) && self.kept.last().is_none_or(|(at, _)| *at < self.done) {
                 self.kept.push((self.done, self.stock.touched()));
             }
             if start.elapsed() > SLICE {

@@ -118,7 +118,7 @@ impl BoardView {
         if let Some(plays) = self.plays.last().cloned().filter(|p| !p.is_empty()) {
             egui::Panel::bottom("player").show(ui, |ui| self.player.bar(ui, &plays));
             if self.player.code {
-                let panel = egui::Panel::right("code").default_size(340.0).min_size(160.0);
+                let panel = egui::Panel::right("code").default_size(400.0).min_size(160.0);
                 panel.show(ui, |ui| self.player.code(ui, &plays));
             }
             self.carve(ui.ctx(), &plays);

@@ -16,7 +16,7 @@ use tenon_geometry::machine::{Pose, Revolved};
 /// Corners of a body's circles.
 const ROUND: usize = 32;
 /// Steps whose way is drawn behind the tool.
-const TRAIL: usize = 400;
+const TRAIL: usize = 60;
 
 /// The eye over the board.
 #[derive(Default)]

@@ -404,7 +404,7 @@ impl Viewport {
                 let colours = paths.colours.clone();
                 Shown { colours, width, coloured_lines: true, ..plain(key.into(), drawing, theme.text) }
             };
-            shown.push(way("tool paths", paths.feed, [1.8, 4.0]));
+            shown.push(way("tool paths", paths.feed, [1.3, 4.0]));
             if self.rapid_moves {
                 shown.push(way("rapid moves", paths.rapid, [0.8, 4.0]));
             }
