@@ -70,7 +70,7 @@ static const tenon_node_type nodes[] = {TYPE(nothing, numbers), TYPE(number, num
 
 static const tenon_plugin plugin = {TENON_PLUGIN_MAGIC, sizeof(tenon_plugin), TENON_PLUGIN_MAJOR, TENON_PLUGIN_MINOR,
                                     TEXT("abi"), TEXT("1.0.0"), TEXT("Tenon"), TEXT("What the contract costs."), nodes, 4,
-                                    sizeof(tenon_node_type)};
+                                    sizeof(tenon_node_type), NULL};
 
 TENON_EXPORT const tenon_plugin *tenon_plugin_v1(void);
 const tenon_plugin *tenon_plugin_v1(void) { return &plugin; }

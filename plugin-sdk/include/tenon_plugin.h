@@ -36,7 +36,7 @@
 #define TENON_PLUGIN_MAJOR 1
 
 // Minor version of this contract. A greater minor only adds fields at the ends of structs.
-#define TENON_PLUGIN_MINOR 1
+#define TENON_PLUGIN_MINOR 2
 
 // The port may stay without a value: its tree then has no branches.
 #define TENON_OPTIONAL 1
@@ -115,24 +115,33 @@ typedef struct tenon_call {
   uint32_t flags;
   // The host's.
   void *host;
-  // 1: stop and return `TENON_CANCELLED`. Ask at least every 10 ms; it costs nothing.
+  // 1: stop and return `TENON_CANCELLED`; 0: go on. To be asked at least every 10 ms; it costs nothing. After evaluate
+  // has returned it gives 1. [any thread while evaluate runs]
   int32_t (*cancelled)(const struct tenon_call *call);
-  // Tells the fraction done, 0 to 1.
+  // Tells the fraction done, 0 to 1, as often as it is known; it should not fall. What is not finite is not heard, and
+  // it cannot fail. [thread of evaluate]
   void (*progress)(const struct tenon_call *call, double fraction);
-  // Says something about the input. An error without `TENON_FAILED` as the result means that part is missing.
+  // Says something about the input. An error without `TENON_FAILED` as the result means that part is missing. The
+  // message stays the plugin's; its texts are copied before this returns. `TENON_BAD_ARGUMENT` if it is NULL, short or
+  // not UTF-8, which is told as the plugin's fault. [thread of evaluate]
   tenon_status (*tell)(const struct tenon_call *call, const struct tenon_message *message);
   // Memory of the host for `count` elements, zeroed, which may stand in any array of a value given to `set`: what
   // begins in a buffer and is as long as it goes over to the host without a copy, and must not be written after
-  // that. NULL: there is no memory. Buffers that were not given to `set` are freed after the call.
+  // that. It is the host's, which frees it, also if it was not given to `set`, after evaluate has returned. NULL: there
+  // is no memory, or no such element. [thread of evaluate]
   void *(*buffer)(const struct tenon_call *call, tenon_element element, uint64_t count);
   // Sets an output. Arrays that are not buffers are copied before it returns. Fails if the output is not there, the
-  // type is another than declared, or the value has faults: lengths, indices, texts that are not UTF-8.
+  // type is another than declared, or the value has faults: lengths, indices, texts that are not UTF-8, a buffer given
+  // twice: `TENON_BAD_TYPE`, told as the plugin's fault. Set twice, the last counts. [thread of evaluate]
   tenon_status (*set)(const struct tenon_call *call, uint32_t output, const tenon_tree *value);
-  // Sets an output to what arrived at an input, as it is: nothing is copied.
+  // Sets an output to what arrived at an input, as it is: nothing is copied. Both by their index in the descriptor (for
+  // a fastener, as evaluate counts them). `TENON_BAD_ARGUMENT` if one of them is not there or their types differ, told
+  // as the plugin's fault. [thread of evaluate]
   tenon_status (*forward)(const struct tenon_call *call, uint32_t output, uint32_t input);
 } tenon_call;
 
-// Takes a text, which it copies before it returns; `to` is what the host gave with it.
+// Takes a text, which it copies before it returns and which stays the plugin's; `to` is what the host gave with it. The
+// last text counts; one that is not UTF-8 is told as the plugin's fault. [thread of migrate, while it runs]
 typedef void (*tenon_give)(void *to, tenon_str text);
 
 // A node type. Everything in it stays as it is while the library is loaded.
@@ -167,13 +176,20 @@ typedef struct tenon_node_type {
   void *data;
   // Computes the outputs. Called by any thread, by several at once. Inputs are read-only and good until it returns.
   // Gives `TENON_OK`, `TENON_CANCELLED`, or `TENON_FAILED` after telling why. The same inputs must give the same
-  // outputs, byte for byte.
+  // outputs, byte for byte. Inputs and `call` are the host's, `data` the plugin's. Any other status, and a function of
+  // `call` used by another thread, are told as the plugin's fault. [any thread]
   //
   // For a fastener, `inputs[0]` is the panel set (`TENON_PANELS`), `inputs[1]` the edges selected for it
   // (`TENON_EDGES`, each once, in order), `inputs[2]` the face that lies up on the machine (`TENON_TEXT`: "front" or
   // "back"), and the declared inputs follow from 3. Output 0 is its features
   // (`TENON_FEATURES`) for both sides of each edge, with joint numbers from 0, and the hardware; declared outputs
-  // are not allowed. The host selects the edges, checks features against panels and machine, and merges them.
+  // are not allowed. The host selects the edges, takes out features that lie outside their panel or belong to an edge that
+  // was not selected (to a panel without one, if they name no edge), with an error each, and checks the rest against the
+  // machine.
+  //
+  // Since 1.2 a fastener may declare an input called "head", one text: the host's own, by which panel of an edge is the
+  // first: "lower address", "higher address" or "alternate". The edges come ordered by it, by turns from edge to edge;
+  // a fastener that sees it may take turns along each edge instead.
   tenon_status (*evaluate)(void *data,
                            const struct tenon_call *call,
                            const tenon_tree *inputs,
@@ -181,8 +197,8 @@ typedef struct tenon_node_type {
   // Since 1.1: brings a node that was saved at version `from` to version `from + 1`. `node` is the node as it stands in
   // the file, one JSON object (`type`, `v`, `params`, `inputs` …); `type` has to stay, `v` is set by the host. It gives
   // the new object by `give(to, text)`, which copies it, and `TENON_OK`; or a sentence that says why that cannot be
-  // done, and `TENON_FAILED`. Called by any thread, before the node is evaluated; the same text must give the same
-  // text. May be NULL.
+  // done, and `TENON_FAILED`. Called before the node is evaluated; the same text must give the same text. `node` is the
+  // host's. May be NULL. [any thread]
   tenon_status (*migrate)(void *data, uint32_t from, tenon_str node, tenon_give give, void *to);
   // Since 1.1: the oldest version that `migrate` takes. It is asked for every version from this to the one before
   // `version`.
@@ -190,6 +206,32 @@ typedef struct tenon_node_type {
   // 0.
   uint32_t reserved;
 } tenon_node_type;
+
+// Where a field lies, as its maker's compiler laid it out. Since 1.2.
+typedef struct tenon_field {
+  // The struct.
+  tenon_str of;
+  // The field; empty: the whole struct, of those that never grow.
+  tenon_str name;
+  // Bytes before it.
+  uint32_t offset;
+  // Its bytes; 0: it may grow.
+  uint32_t bytes;
+} tenon_field;
+
+// Where every field of this contract lies, as its maker's compiler laid it out. Since 1.2.
+typedef struct tenon_layout {
+  // Bytes of this struct as the plugin knows it.
+  uint32_t size;
+  // Bytes from one field to the next: sizeof(tenon_field).
+  uint32_t field_stride;
+  // FNV-1a, 64 bits, of the fields: names ended by a zero each, then offset and bytes, least byte first.
+  uint64_t digest;
+  // Fields.
+  const struct tenon_field *fields;
+  // Number of fields.
+  uint64_t field_count;
+} tenon_layout;
 
 // A plugin: what its library gives through `const tenon_plugin *tenon_plugin_v1(void)`, the one symbol that it exports.
 // Everything in it stays as it is while the library is loaded; libraries are never unloaded.
@@ -216,9 +258,14 @@ typedef struct tenon_plugin {
   uint32_t node_count;
   // Bytes from one node type to the next: sizeof(tenon_node_type).
   uint32_t node_stride;
+  // Since 1.2: how the plugin was laid out; the host refuses it if a field that both know lies elsewhere. Plugins in C,
+  // which are compiled from this header, leave it NULL; those made by the Rust layer have it.
+  const struct tenon_layout *layout;
 } tenon_plugin;
 
-// The function that a plugin exports.
+// The function that a plugin exports under the name `tenon_plugin_v1`. Called whenever a program looks at the library, before
+// anything else, often more than once: it gives the same descriptor each time, quickly, and changes nothing. What it gives
+// is the plugin's and stays for ever. NULL: the plugin cannot be used, and is refused. [any thread]
 typedef const struct tenon_plugin *(*tenon_plugin_entry)(void);
 
 // One item at a time: the tree has one branch of one item. The host iterates.

@@ -9,6 +9,7 @@ use bytemuck::Pod;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ffi::c_void;
+use std::ops::Range;
 
 type Read<T> = Result<T, BadValue>;
 
@@ -26,9 +27,9 @@ enum Buffer {
     Address(Vec<tenon_address>),
 }
 
-/// The buffers of one evaluation by address.
+/// The buffers of one evaluation by address. Most make none, so the map comes with the first.
 #[derive(Debug, Default)]
-pub struct Buffers(BTreeMap<usize, Buffer>);
+pub struct Buffers(Option<Box<BTreeMap<usize, Buffer>>>);
 
 /// The largest buffer, bytes: beyond that a length is a mistake.
 const LARGEST: u64 = 1 << 40;
@@ -61,7 +62,7 @@ impl Buffers {
             TENON_ADDRESSES => make!(Address, tenon_address),
             _ => return None,
         };
-        self.0.insert(at.addr(), buffer);
+        self.0.get_or_insert_default().insert(at.addr(), buffer);
         Some(at)
     }
 }
@@ -106,9 +107,11 @@ elements! {
     tenon_address, Address;
 }
 
-/// Reads what one side gave the other.
+/// Reads what one side gave the other, one value.
 pub(crate) struct Reader<'b> {
-    pub buffers: &'b mut Buffers,
+    buffers: &'b mut Buffers,
+    /// If there are buffers: the addresses of every array of the value, and whether it changed hands.
+    arrays: Option<Vec<(Range<usize>, bool)>>,
 }
 
 /// The slice at `ptr`.
@@ -166,16 +169,55 @@ pub(crate) unsafe fn text<'a>(t: tenon_str, what: &'static str) -> Read<&'a str>
 }
 
 /// 0 and 1 as truth values; anything but 0 is true.
-fn truths(bytes: Cow<'_, [u8]>) -> Vec<bool> {
+fn truths(bytes: &[u8]) -> Vec<bool> {
     bytes.iter().map(|b| *b != 0).collect()
 }
 
 // SAFETY of all functions below: the caller vouches that every pointer is NULL or leads to as many items as the struct
 // says, which nobody changes during 'a. What can be seen from here is checked.
-impl Reader<'_> {
+impl<'b> Reader<'b> {
+    pub fn new(buffers: &'b mut Buffers) -> Self {
+        let some = buffers.0.as_ref().is_some_and(|buffers| !buffers.is_empty());
+        Self { buffers, arrays: some.then(Vec::new) }
+    }
+
+    /// What changed hands may be gone when another array is looked at, so no two may share it.
+    fn apart(&mut self) -> Read<()> {
+        let Some(mut arrays) = self.arrays.take() else { return Ok(()) };
+        arrays.sort_unstable_by_key(|(range, _)| range.start);
+        let (mut end, mut taken_end) = (0, 0);
+        for (range, taken) in arrays {
+            if range.start < if taken { end } else { taken_end } {
+                return Err(BadValue::Shared);
+            }
+            end = end.max(range.end);
+            taken_end = if taken { taken_end.max(range.end) } else { taken_end };
+        }
+        Ok(())
+    }
+
     /// An array, taken over if it is a buffer.
     unsafe fn array<'a, T: Element>(&mut self, ptr: *const T, count: u64, what: &'static str) -> Read<Cow<'a, [T]>> {
-        if let Some(buffer) = self.buffers.0.remove(&ptr.addr()) {
+        // SAFETY: see above.
+        let array = unsafe { self.array_or_buffer(ptr, count, what)? };
+        if let Some(arrays) = &mut self.arrays
+            && !array.is_empty()
+        {
+            let range = array.as_ptr_range();
+            arrays.push((range.start.addr()..range.end.addr(), matches!(array, Cow::Owned(_))));
+        }
+        Ok(array)
+    }
+
+    unsafe fn array_or_buffer<'a, T: Element>(
+        &mut self,
+        ptr: *const T,
+        count: u64,
+        what: &'static str,
+    ) -> Read<Cow<'a, [T]>> {
+        if let Some(buffers) = &mut self.buffers.0
+            && let Some(buffer) = buffers.remove(&ptr.addr())
+        {
             match T::take(buffer) {
                 Ok(mut v) if count <= v.len() as u64 => {
                     v.truncate(count as usize);
@@ -189,7 +231,7 @@ impl Reader<'_> {
                     });
                 }
                 Err(other) => {
-                    self.buffers.0.insert(ptr.addr(), other);
+                    buffers.insert(ptr.addr(), other);
                 }
             }
         }
@@ -198,7 +240,7 @@ impl Reader<'_> {
     }
 
     /// A tree.
-    pub unsafe fn tree<'a>(&mut self, tree: *const tenon_tree) -> Read<Vec<Branch<'a>>> {
+    pub unsafe fn tree<'a>(mut self, tree: *const tenon_tree) -> Read<Vec<Branch<'a>>> {
         if tree.is_null() {
             return Err(BadValue::Null("tree"));
         }
@@ -218,7 +260,7 @@ impl Reader<'_> {
         let tree = unsafe { *tree };
         // SAFETY: see above.
         let branches = unsafe { structs(tree.branches, tree.branch_count, tree.branch_stride.into(), "branches")? };
-        branches
+        let read = branches
             .iter()
             .map(|b| {
                 let path = if b.path.is_null() {
@@ -232,7 +274,9 @@ impl Reader<'_> {
                 let (items, valid) = unsafe { (self.items(c)?, self.valid(c)?) };
                 Ok(Branch { path, items, valid })
             })
-            .collect()
+            .collect::<Read<Vec<Branch<'a>>>>()?;
+        self.apart()?;
+        Ok(read)
     }
 
     unsafe fn items<'a>(&mut self, c: &tenon_column) -> Read<Items<'a>> {
@@ -248,7 +292,7 @@ impl Reader<'_> {
                 TENON_NOTHING if c.count == 0 => Items::Opaque { type_name: Cow::Borrowed(""), count: 0 },
                 TENON_BOOLEAN => {
                     fixed(1)?;
-                    Items::Boolean(truths(self.array::<u8>(c.items.cast(), c.count, "booleans")?).into())
+                    Items::Boolean(truths(slice(c.items.cast(), c.count, "booleans")?).into())
                 }
                 TENON_INTEGER => {
                     fixed(8)?;
@@ -362,7 +406,7 @@ impl Reader<'_> {
                 side: self.array(p.side, k, "side")?,
                 back_start: self.array(p.back_start, k, "back_start")?,
                 back_end: self.array(p.back_end, k, "back_end")?,
-                voided: truths(self.array::<u8>(p.voided, k, "voided")?).into(),
+                voided: truths(slice(p.voided, k, "voided")?).into(),
             }
         };
         panels.check()?;
@@ -438,7 +482,7 @@ impl Reader<'_> {
         }
         // SAFETY: see above.
         let valid: &[u8] = unsafe { slice(c.valid, c.count, "valid")? };
-        Ok(Some(Cow::Owned(truths(valid.into()))))
+        Ok(Some(Cow::Owned(truths(valid))))
     }
 
     unsafe fn file<'a>(&mut self, f: &tenon_file) -> Read<File<'a>> {
@@ -463,5 +507,5 @@ impl Reader<'_> {
 /// Every pointer in it is NULL or leads to as many items as the structs say, which nobody changes during `'a`.
 pub unsafe fn read_tree<'a>(tree: *const tenon_tree) -> Result<Vec<Branch<'a>>, BadValue> {
     // SAFETY: as the caller vouches.
-    unsafe { Reader { buffers: &mut Buffers::default() }.tree(tree) }
+    unsafe { Reader::new(&mut Buffers::default()).tree(tree) }
 }

@@ -60,6 +60,9 @@ pub enum BadValue {
         /// The name.
         found: String,
     },
+    /// A buffer that changes hands is given twice.
+    #[error("two arrays share memory of one buffer")]
+    Shared,
     /// NaN or infinity.
     #[error("{what}: entry {entry} is not finite")]
     NotFinite {

@@ -48,7 +48,7 @@ fn root() -> &'static Path {
 }
 
 #[track_caller]
-fn compare(place: &str, text: &str) {
+pub fn compare(place: &str, text: &str) {
     let place = root().join(place);
     if std::env::var_os("TENON_WRITE_HEADERS").is_some() {
         std::fs::write(&place, text).unwrap();
@@ -84,6 +84,37 @@ fn the_headers_are_strict_c11_and_cpp17() {
                 .unwrap();
             assert!(done.status.success(), "{name}, {compiler}: {}", String::from_utf8_lossy(&done.stderr));
         }
+    }
+}
+
+/// Function pointers of the header with the comments before them.
+fn functions(header: &str) -> Vec<(String, String)> {
+    let (mut all, mut comment) = (Vec::new(), String::new());
+    for line in header.lines().map(str::trim) {
+        if let Some(words) = line.strip_prefix("//") {
+            comment = format!("{comment}{words}");
+            continue;
+        }
+        if let Some((_, rest)) = line.split_once("(*") {
+            all.push((rest.split(')').next().unwrap().to_owned(), std::mem::take(&mut comment)));
+        }
+        comment.clear();
+    }
+    all
+}
+
+#[test]
+fn every_function_says_which_thread_may_call_it() {
+    let functions = functions(&std::fs::read_to_string(root().join("include/tenon_plugin.h")).unwrap());
+    let names: Vec<&str> = functions.iter().map(|f| f.0.as_str()).collect();
+    let all = ["cancelled", "progress", "tell", "buffer", "set", "forward", "tenon_give", "evaluate", "migrate"];
+    assert!(all.iter().chain(&["tenon_plugin_entry"]).all(|f| names.contains(f)), "{names:?}");
+    assert_eq!(names.len(), all.len() + 1, "{names:?}");
+    for (name, comment) in &functions {
+        let tags = ["[any thread]", "[any thread while evaluate runs]", "[thread of evaluate]"];
+        let known =
+            tags.iter().any(|tag| comment.contains(tag)) || comment.contains("[thread of migrate, while it runs]");
+        assert!(known, "{name} does not say which thread may call it: {comment}");
     }
 }
 

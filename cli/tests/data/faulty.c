@@ -141,6 +141,6 @@ static const tenon_node_type nodes[] = {{.size = sizeof(tenon_node_type),
                                          .evaluate = number_rows}};
 static const tenon_plugin plugin = {TENON_PLUGIN_MAGIC, sizeof(tenon_plugin), TENON_PLUGIN_MAJOR, TENON_PLUGIN_MINOR,
                                     TEXT("faulty"), TEXT("1.0.0"), TEXT("Tests"), TEXT("Faults."), nodes, 2,
-                                    sizeof(tenon_node_type)};
+                                    sizeof(tenon_node_type), NULL};
 TENON_EXPORT const tenon_plugin *tenon_plugin_v1(void);
 const tenon_plugin *tenon_plugin_v1(void) { return &plugin; }

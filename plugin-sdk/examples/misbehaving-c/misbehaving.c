@@ -217,7 +217,7 @@ static const tenon_node_type nodes[] = {
 /* version */
 static const tenon_plugin plugin = {TENON_PLUGIN_MAGIC, sizeof(tenon_plugin), TENON_PLUGIN_MAJOR, TENON_PLUGIN_MINOR,
                                     TEXT("misbehaving"), TEXT("one"), TEXT("Tenon's examples"),
-                                    TEXT("Misbehaves on purpose."), nodes, COUNT(nodes), sizeof(tenon_node_type)};
+                                    TEXT("Misbehaves on purpose."), nodes, COUNT(nodes), sizeof(tenon_node_type), NULL};
 
 TENON_EXPORT const tenon_plugin *tenon_plugin_v1(void);
 const tenon_plugin *tenon_plugin_v1(void) { return &plugin; }

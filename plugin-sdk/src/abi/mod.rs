@@ -2,5 +2,6 @@
 
 #![allow(non_camel_case_types)]
 
+pub mod layout;
 pub mod plugin;
 pub mod value;

@@ -8,7 +8,7 @@ pub const TENON_PLUGIN_MAGIC: u32 = 0x4E4E_4554;
 /// Major version of this contract. Another major does not fit.
 pub const TENON_PLUGIN_MAJOR: u32 = 1;
 /// Minor version of this contract. A greater minor only adds fields at the ends of structs.
-pub const TENON_PLUGIN_MINOR: u32 = 1;
+pub const TENON_PLUGIN_MINOR: u32 = 2;
 
 /// How a node sees what arrives at a port.
 pub type tenon_access = u32;
@@ -106,24 +106,33 @@ pub struct tenon_call {
     pub flags: u32,
     /// The host's.
     pub host: *mut c_void,
-    /// 1: stop and return `TENON_CANCELLED`. Ask at least every 10 ms; it costs nothing.
+    /// 1: stop and return `TENON_CANCELLED`; 0: go on. To be asked at least every 10 ms; it costs nothing. After evaluate
+    /// has returned it gives 1. [any thread while evaluate runs]
     pub cancelled: unsafe extern "C" fn(call: *const tenon_call) -> i32,
-    /// Tells the fraction done, 0 to 1.
+    /// Tells the fraction done, 0 to 1, as often as it is known; it should not fall. What is not finite is not heard, and
+    /// it cannot fail. [thread of evaluate]
     pub progress: unsafe extern "C" fn(call: *const tenon_call, fraction: f64),
-    /// Says something about the input. An error without `TENON_FAILED` as the result means that part is missing.
+    /// Says something about the input. An error without `TENON_FAILED` as the result means that part is missing. The
+    /// message stays the plugin's; its texts are copied before this returns. `TENON_BAD_ARGUMENT` if it is NULL, short or
+    /// not UTF-8, which is told as the plugin's fault. [thread of evaluate]
     pub tell: unsafe extern "C" fn(call: *const tenon_call, message: *const tenon_message) -> tenon_status,
     /// Memory of the host for `count` elements, zeroed, which may stand in any array of a value given to `set`: what
     /// begins in a buffer and is as long as it goes over to the host without a copy, and must not be written after
-    /// that. NULL: there is no memory. Buffers that were not given to `set` are freed after the call.
+    /// that. It is the host's, which frees it, also if it was not given to `set`, after evaluate has returned. NULL: there
+    /// is no memory, or no such element. [thread of evaluate]
     pub buffer: unsafe extern "C" fn(call: *const tenon_call, element: tenon_element, count: u64) -> *mut c_void,
     /// Sets an output. Arrays that are not buffers are copied before it returns. Fails if the output is not there, the
-    /// type is another than declared, or the value has faults: lengths, indices, texts that are not UTF-8.
+    /// type is another than declared, or the value has faults: lengths, indices, texts that are not UTF-8, a buffer given
+    /// twice: `TENON_BAD_TYPE`, told as the plugin's fault. Set twice, the last counts. [thread of evaluate]
     pub set: unsafe extern "C" fn(call: *const tenon_call, output: u32, value: *const tenon_tree) -> tenon_status,
-    /// Sets an output to what arrived at an input, as it is: nothing is copied.
+    /// Sets an output to what arrived at an input, as it is: nothing is copied. Both by their index in the descriptor (for
+    /// a fastener, as evaluate counts them). `TENON_BAD_ARGUMENT` if one of them is not there or their types differ, told
+    /// as the plugin's fault. [thread of evaluate]
     pub forward: unsafe extern "C" fn(call: *const tenon_call, output: u32, input: u32) -> tenon_status,
 }
 
-/// Takes a text, which it copies before it returns; `to` is what the host gave with it.
+/// Takes a text, which it copies before it returns and which stays the plugin's; `to` is what the host gave with it. The
+/// last text counts; one that is not UTF-8 is told as the plugin's fault. [thread of migrate, while it runs]
 pub type tenon_give = unsafe extern "C" fn(to: *mut c_void, text: tenon_str);
 
 /// The node does nothing but its function of the inputs; without it the plugin is refused. (Room for later.)
@@ -167,13 +176,20 @@ pub struct tenon_node_type {
     pub data: *mut c_void,
     /// Computes the outputs. Called by any thread, by several at once. Inputs are read-only and good until it returns.
     /// Gives `TENON_OK`, `TENON_CANCELLED`, or `TENON_FAILED` after telling why. The same inputs must give the same
-    /// outputs, byte for byte.
+    /// outputs, byte for byte. Inputs and `call` are the host's, `data` the plugin's. Any other status, and a function of
+    /// `call` used by another thread, are told as the plugin's fault. [any thread]
     ///
     /// For a fastener, `inputs[0]` is the panel set (`TENON_PANELS`), `inputs[1]` the edges selected for it
     /// (`TENON_EDGES`, each once, in order), `inputs[2]` the face that lies up on the machine (`TENON_TEXT`: "front" or
     /// "back"), and the declared inputs follow from 3. Output 0 is its features
     /// (`TENON_FEATURES`) for both sides of each edge, with joint numbers from 0, and the hardware; declared outputs
-    /// are not allowed. The host selects the edges, checks features against panels and machine, and merges them.
+    /// are not allowed. The host selects the edges, takes out features that lie outside their panel or belong to an edge that
+    /// was not selected (to a panel without one, if they name no edge), with an error each, and checks the rest against the
+    /// machine.
+    ///
+    /// Since 1.2 a fastener may declare an input called "head", one text: the host's own, by which panel of an edge is the
+    /// first: "lower address", "higher address" or "alternate". The edges come ordered by it, by turns from edge to edge;
+    /// a fastener that sees it may take turns along each edge instead.
     pub evaluate: Option<
         unsafe extern "C" fn(
             data: *mut c_void,
@@ -185,8 +201,8 @@ pub struct tenon_node_type {
     /// Since 1.1: brings a node that was saved at version `from` to version `from + 1`. `node` is the node as it stands in
     /// the file, one JSON object (`type`, `v`, `params`, `inputs` …); `type` has to stay, `v` is set by the host. It gives
     /// the new object by `give(to, text)`, which copies it, and `TENON_OK`; or a sentence that says why that cannot be
-    /// done, and `TENON_FAILED`. Called by any thread, before the node is evaluated; the same text must give the same
-    /// text. May be NULL.
+    /// done, and `TENON_FAILED`. Called before the node is evaluated; the same text must give the same text. `node` is the
+    /// host's. May be NULL. [any thread]
     pub migrate: Option<
         unsafe extern "C" fn(
             data: *mut c_void,
@@ -201,6 +217,36 @@ pub struct tenon_node_type {
     pub migrate_from: u32,
     /// 0.
     pub reserved: u32,
+}
+
+/// Where a field lies, as its maker's compiler laid it out. Since 1.2.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct tenon_field {
+    /// The struct.
+    pub of: tenon_str,
+    /// The field; empty: the whole struct, of those that never grow.
+    pub name: tenon_str,
+    /// Bytes before it.
+    pub offset: u32,
+    /// Its bytes; 0: it may grow.
+    pub bytes: u32,
+}
+
+/// Where every field of this contract lies, as its maker's compiler laid it out. Since 1.2.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct tenon_layout {
+    /// Bytes of this struct as the plugin knows it.
+    pub size: u32,
+    /// Bytes from one field to the next: sizeof(tenon_field).
+    pub field_stride: u32,
+    /// FNV-1a, 64 bits, of the fields: names ended by a zero each, then offset and bytes, least byte first.
+    pub digest: u64,
+    /// Fields.
+    pub fields: *const tenon_field,
+    /// Number of fields.
+    pub field_count: u64,
 }
 
 /// A plugin: what its library gives through `const tenon_plugin *tenon_plugin_v1(void)`, the one symbol that it exports.
@@ -230,9 +276,14 @@ pub struct tenon_plugin {
     pub node_count: u32,
     /// Bytes from one node type to the next: sizeof(tenon_node_type).
     pub node_stride: u32,
+    /// Since 1.2: how the plugin was laid out; the host refuses it if a field that both know lies elsewhere. Plugins in C,
+    /// which are compiled from this header, leave it NULL; those made by the Rust layer have it.
+    pub layout: *const tenon_layout,
 }
 
-/// The function that a plugin exports.
+/// The function that a plugin exports under the name `tenon_plugin_v1`. Called whenever a program looks at the library, before
+/// anything else, often more than once: it gives the same descriptor each time, quickly, and changes nothing. What it gives
+/// is the plugin's and stays for ever. NULL: the plugin cannot be used, and is refused. [any thread]
 pub type tenon_plugin_entry = Option<unsafe extern "C" fn() -> *const tenon_plugin>;
 
 // SAFETY: descriptors are constant and their pointers lead to constants, as the contract asks.
@@ -243,6 +294,10 @@ unsafe impl Send for tenon_plugin {}
 unsafe impl Sync for tenon_node_type {}
 // SAFETY: see above.
 unsafe impl Send for tenon_node_type {}
+// SAFETY: see above.
+unsafe impl Sync for tenon_field {}
+// SAFETY: see above.
+unsafe impl Sync for tenon_layout {}
 // SAFETY: see above.
 unsafe impl Sync for tenon_port {}
 // SAFETY: see above.

@@ -1,5 +1,6 @@
 //! One run of a node made here: its inputs by name, places for its outputs, its failure.
 
+use super::Element;
 use super::describe::{Migrate, Run};
 use crate::abi::plugin::*;
 use crate::abi::value::*;
@@ -87,9 +88,8 @@ pub(super) unsafe extern "C" fn evaluate(
         let mut buffers = Buffers::default();
         let mut values = Vec::with_capacity(count as usize);
         for i in 0..count as usize {
-            let mut reader = Reader { buffers: &mut buffers };
             // SAFETY: the host gives as many trees as it says, good until we return.
-            let tree = unsafe { reader.tree(inputs.add(i)) };
+            let tree = unsafe { Reader::new(&mut buffers).tree(inputs.add(i)) };
             values.push(tree.map_err(|e| Fail::new("host-fault", format!("input {}: {e}", node.inputs[i])))?);
         }
         let mut call = Call { raw: call, node, inputs: values };
@@ -221,12 +221,21 @@ impl<'a> Call<'a> {
     /// # Errors
     /// [`Fail::cancelled`].
     pub fn progress(&self, fraction: f64) -> Result<(), Fail> {
-        // SAFETY: the host's functions, with the host's call.
-        let stop = unsafe {
-            (self.raw.progress)(self.raw, fraction);
-            (self.raw.cancelled)(self.raw)
-        };
-        if stop == 0 { Ok(()) } else { Err(Fail::cancelled()) }
+        // SAFETY: the host's function, with the host's call.
+        unsafe { (self.raw.progress)(self.raw, fraction) };
+        if self.cancelled() { Err(Fail::cancelled()) } else { Ok(()) }
+    }
+
+    /// Whether the host asked to stop: then give [`Fail::cancelled`]. To be asked at least every 10 ms; it costs nothing.
+    #[must_use]
+    pub fn cancelled(&self) -> bool {
+        // SAFETY: the host's function, with the host's call.
+        unsafe { (self.raw.cancelled)(self.raw) != 0 }
+    }
+
+    /// Says something worth knowing, and goes on.
+    pub fn note(&self, fail: &Fail) {
+        tell(self.raw, TENON_NOTE, fail);
     }
 
     /// Says that part of the result is missing, and goes on.
@@ -239,11 +248,56 @@ impl<'a> Call<'a> {
         tell(self.raw, TENON_WARNING, fail);
     }
 
+    /// Memory of the host for `count` numbers, points and so on, all zero: what is written there goes over without a copy.
+    /// To be asked for in [`Call::fill`]; elsewhere it is lost, as nothing can be set while it is held.
+    ///
+    /// # Errors
+    /// If there is no memory.
+    #[expect(clippy::mut_from_ref, reason = "every call gives other memory")]
+    pub fn buffer<T: Element>(&self, count: usize) -> Result<&mut [T], Fail> {
+        // SAFETY: the host's function, with the host's call.
+        let at = unsafe { (self.raw.buffer)(self.raw, T::ELEMENT, count as u64) }.cast::<T>();
+        if at.is_null() {
+            let bytes = count.saturating_mul(size_of::<T>());
+            return Err(Fail::new("no-memory", format!("there is no memory for {bytes} bytes")));
+        }
+        // SAFETY: the host gives as many zeroed elements, which nobody else knows of. They stay until they are given over,
+        // and for that this borrow has to end; or until evaluate returns, which our borrower does not outlive.
+        Ok(unsafe { std::slice::from_raw_parts_mut(at, count) })
+    }
+
+    /// Sets an output to items of which arrays are [`Call::buffer`]s: those go over without a copy.
+    ///
+    /// ```ignore
+    /// c.fill("points", |c| {
+    ///     let points = c.buffer::<tenon_vec3>(1000)?;
+    ///     points[0].x = 1.0;
+    ///     Ok(Items::Point((&*points).into()))
+    /// })
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Call::set`], and what `make` gives.
+    // `make` works for every lifetime, so nothing that it borrows from the call is known outside: a buffer that was given
+    // over cannot be written to, or read, afterwards.
+    pub fn fill(
+        &mut self,
+        port: &str,
+        make: impl for<'b> FnOnce(&'b Self) -> Result<Items<'b>, Fail>,
+    ) -> Result<(), Fail> {
+        let items = make(self)?;
+        self.give(port, &[Branch::root(items)])
+    }
+
     /// Sets an output to a tree.
     ///
     /// # Errors
     /// If there is no such output, or the host refuses the value; it then says why.
     pub fn set(&mut self, port: &str, value: &[Branch<'_>]) -> Result<(), Fail> {
+        self.give(port, value)
+    }
+
+    fn give(&self, port: &str, value: &[Branch<'_>]) -> Result<(), Fail> {
         let output = self.output(port)?;
         let view = CTree::new(value);
         let tree = view.get();

@@ -1,6 +1,7 @@
 //! Descriptions in safe Rust: ports, node types and the plugin, and the C descriptors that are made of them.
 
 use super::call::{Call, Fail, Running, evaluate, migrate};
+use crate::abi::layout::LAYOUT;
 use crate::abi::plugin::*;
 use crate::abi::value::*;
 use std::ffi::c_void;
@@ -68,6 +69,13 @@ impl Port {
     #[must_use]
     pub fn list(mut self) -> Self {
         self.access = TENON_LIST;
+        self
+    }
+
+    /// Sees everything at once instead: all branches, with [`Call::tree`], given by [`Call::set`].
+    #[must_use]
+    pub fn tree(mut self) -> Self {
+        self.access = TENON_TREE;
         self
     }
 
@@ -168,7 +176,9 @@ impl Node {
     }
 
     /// A fastener: `run` finds the panels by [`Call::panels`] at "panels", the edges by [`Call::edges`], the face that
-    /// lies up by [`Call::text`] at "up" ("front" or "back"), its own inputs by name, and gives its features by [`Call::set_features`] at "features".
+    /// lies up by [`Call::text`] at "up" ("front" or "back"), its
+    /// own inputs by name, and gives its features by [`Call::set_features`] at "features". One that declares a text "head"
+    /// gets by it which of an edge's panels is to be the first; see `tenon_node_type.evaluate`.
     #[must_use]
     pub fn fastener(id: &'static str, version: u32) -> Self {
         Self { flags: TENON_PURE | TENON_FASTENER, category: "Joint", ..Self::new(id, version) }
@@ -312,6 +322,7 @@ impl Plugin {
             nodes: nodes.as_ptr(),
             node_count: nodes.len() as u32,
             node_stride: size_of::<tenon_node_type>() as u32,
+            layout: &raw const LAYOUT,
         }))
     }
 }

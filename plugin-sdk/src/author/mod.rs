@@ -14,9 +14,11 @@
 
 mod call;
 mod describe;
+mod element;
 
 pub use call::{Call, Fail};
 pub use describe::{Node, Plugin, Port};
+pub use element::Element;
 
 /// Exports the plugin that a function `fn() -> tenon_plugin::author::Plugin` describes.
 #[macro_export]

@@ -1,5 +1,6 @@
 //! One evaluation: what the plugin is given to call back with, and where its answers go.
 
+use super::slot::Slot;
 use super::{Body, PluginNode};
 use crate::abi::plugin::*;
 use crate::abi::value::*;
@@ -7,11 +8,10 @@ use crate::from_c::{Buffers, Reader, element_size, text};
 use crate::sound::BadValue;
 use crate::to_c::CTree;
 use crate::value::Branch;
-use std::cell::{Cell, UnsafeCell};
+use std::cell::UnsafeCell;
 use std::ffi::c_void;
 use std::ptr::NonNull;
-use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Something that a plugin said about its input.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -73,8 +73,8 @@ pub enum EvaluateError {
 }
 
 /// One evaluation, as the callbacks see it.
-struct Running<'a> {
-    watch: Watch<'a>,
+pub(super) struct Running<'a> {
+    watch: &'a Watch<'a>,
     /// A thread called back that may not.
     stray: AtomicBool,
     own: UnsafeCell<Own<'a>>,
@@ -86,163 +86,58 @@ struct Own<'a> {
     buffers: Buffers,
     /// Buffers asked for so far.
     asked: u64,
-    fault: Option<String>,
+    fault: Option<Box<str>>,
 }
 
-/// Where a `tenon_call` leads. Slots are used again and never freed, so that a plugin that calls back after its
-/// evaluation meets a closed door and not freed memory.
-struct Slot {
-    call: tenon_call,
-    /// The thread that evaluates, see [`here`]; 0: none does.
-    owner: AtomicUsize,
-    running: AtomicPtr<Running<'static>>,
-    /// Other threads that look at `running`: it must stay as long.
-    visitors: AtomicUsize,
-}
-
-// SAFETY: `call` never changes; the rest is atomic, and what `running` leads to is guarded by `own` and `visit`.
-unsafe impl Sync for Slot {}
-// SAFETY: see above.
-unsafe impl Send for Slot {}
-
-static LATE: AtomicU64 = AtomicU64::new(0);
-
-/// Number of calls that plugins made after their evaluation had ended; each was refused.
-#[must_use]
-pub fn late_calls() -> u64 {
-    LATE.load(Ordering::Relaxed)
-}
-
-/// Free slots of threads that ended.
-static FREE: Mutex<Vec<&'static Slot>> = Mutex::new(Vec::new());
-
-/// The free slot of a thread.
-struct Spare(Cell<Option<&'static Slot>>);
-
-impl Drop for Spare {
-    fn drop(&mut self) {
-        FREE.lock().unwrap_or_else(PoisonError::into_inner).extend(self.0.take());
+impl Own<'_> {
+    /// Keeps the first fault.
+    #[cold]
+    fn fault(&mut self, place: std::fmt::Arguments<'_>, why: &dyn std::fmt::Display) {
+        self.fault.get_or_insert_with(|| format!("{place}: {why}").into());
     }
 }
 
-thread_local! {
-    static SPARE: Spare = const { Spare(Cell::new(None)) };
-    static HERE: u8 = const { 0 };
+/// What a plugin is given, but for where it leads.
+pub(super) fn callbacks() -> tenon_call {
+    let (size, host) = (size_of::<tenon_call>() as u32, std::ptr::null_mut());
+    tenon_call { size, flags: 0, host, cancelled, progress, tell, buffer, set, forward }
 }
 
-/// A number that no other thread has while this one lives.
-fn here() -> usize {
-    HERE.with(|here| std::ptr::from_ref(here).addr())
-}
-
-impl Slot {
-    fn take() -> &'static Self {
-        let spare = SPARE.try_with(|spare| spare.0.take()).ok().flatten();
-        spare.or_else(|| FREE.lock().unwrap_or_else(PoisonError::into_inner).pop()).unwrap_or_else(Self::leak)
-    }
-
-    fn leak() -> &'static Self {
-        let call = tenon_call {
-            size: size_of::<tenon_call>() as u32,
-            flags: 0,
-            host: std::ptr::null_mut(),
-            cancelled,
-            progress,
-            tell,
-            buffer,
-            set,
-            forward,
-        };
-        let (owner, running) = (AtomicUsize::new(0), AtomicPtr::default());
-        let slot = Box::into_raw(Box::new(Self { call, owner, running, visitors: AtomicUsize::new(0) }));
-        // SAFETY: it is never freed, and nobody else has it yet.
-        unsafe {
-            (*slot).call.host = slot.cast();
-            &*slot
-        }
-    }
-
-    /// What the thread that evaluates may do; other threads get `otherwise`.
-    fn own<R>(&self, otherwise: R, f: impl FnOnce(&Watch<'static>, &mut Own<'static>) -> R) -> R {
-        if self.owner.load(Ordering::Relaxed) == here() {
-            // SAFETY: an evaluation of this very thread is under way, so it is there; only this thread comes here, and
-            // what it does does not call back.
-            unsafe {
-                let running = &*self.running.load(Ordering::Relaxed);
-                return f(&running.watch, &mut *running.own.get());
-            }
-        }
-        self.visit(otherwise, |running, otherwise| {
-            running.stray.store(true, Ordering::Relaxed);
-            otherwise
-        })
-    }
-
-    /// What any thread may do while an evaluation is under way; afterwards it is late and gets `otherwise`.
-    fn visit<R>(&self, otherwise: R, f: impl FnOnce(&Running<'static>, R) -> R) -> R {
-        self.visitors.fetch_add(1, Ordering::SeqCst);
-        // SAFETY: [`Slot::close`] waits for visitors after it has taken the pointer away, so what is seen here stays.
-        let running = unsafe { self.running.load(Ordering::SeqCst).as_ref() };
-        let done = match running {
-            Some(running) => f(running, otherwise),
-            None => {
-                LATE.fetch_add(1, Ordering::Relaxed);
-                otherwise
-            }
-        };
-        self.visitors.fetch_sub(1, Ordering::SeqCst);
-        done
-    }
-
-    fn open(&self, running: &Running<'_>) {
-        self.running.store(std::ptr::from_ref(running).cast_mut().cast(), Ordering::Release);
-        self.owner.store(here(), Ordering::Relaxed);
-    }
-
-    fn close(&'static self) {
-        self.owner.store(0, Ordering::Relaxed);
-        self.running.store(std::ptr::null_mut(), Ordering::SeqCst);
-        while self.visitors.load(Ordering::SeqCst) != 0 {
-            std::thread::yield_now();
-        }
-        let kept = SPARE.try_with(|spare| spare.0.replace(Some(self))).unwrap_or(Some(self));
-        if let Some(other) = kept {
-            FREE.lock().unwrap_or_else(PoisonError::into_inner).push(other);
-        }
-    }
-}
-
-/// The slot of a call; `None` for NULL.
-unsafe fn slot<'a>(call: *const tenon_call) -> Option<&'a Slot> {
-    if call.is_null() || !call.is_aligned() {
-        return None;
-    }
-    // SAFETY: a call that the host gave; its slot is never freed.
-    unsafe { (*call).host.cast::<Slot>().as_ref() }
+/// What the thread that evaluates may do; other threads, and NULL, get `otherwise`.
+#[inline]
+fn own<R>(slot: Option<&Slot>, otherwise: R, f: impl FnOnce(&Watch<'static>, &mut Own<'static>) -> R) -> R {
+    let Some(slot) = slot else { return otherwise };
+    let Some(running) = slot.owned() else {
+        slot.visit(|running| running.stray.store(true, Ordering::Relaxed));
+        return otherwise;
+    };
+    // SAFETY: only the thread that evaluates comes here, and what it does does not call back.
+    f(running.watch, unsafe { &mut *running.own.get() })
 }
 
 unsafe extern "C" fn cancelled(call: *const tenon_call) -> i32 {
     // SAFETY: the plugin hands back what it was given.
-    let Some(slot) = (unsafe { slot(call) }) else { return 1 };
-    if slot.owner.load(Ordering::Relaxed) == here() {
-        return slot.own(1, |watch, _| i32::from((watch.cancelled)()));
+    let Some(slot) = (unsafe { Slot::of(call) }) else { return 1 };
+    match slot.owned() {
+        Some(running) => i32::from((running.watch.cancelled)()),
+        None => slot.visit(|running| i32::from((running.watch.cancelled)())).unwrap_or(1),
     }
-    slot.visit(1, |running, _| i32::from((running.watch.cancelled)()))
 }
 
 unsafe extern "C" fn progress(call: *const tenon_call, fraction: f64) {
+    let told = |watch: &Watch<'_>| {
+        if fraction.is_finite() {
+            (watch.progress)(fraction.clamp(0.0, 1.0));
+        }
+    };
     // SAFETY: the plugin hands back what it was given.
-    if let Some(slot) = unsafe { slot(call) }
-        && fraction.is_finite()
-    {
-        slot.own((), |watch, _| (watch.progress)(fraction.clamp(0.0, 1.0)));
-    }
+    own(unsafe { Slot::of(call) }, (), |watch, _| told(watch));
 }
 
 unsafe extern "C" fn tell(call: *const tenon_call, message: *const tenon_message) -> tenon_status {
     // SAFETY: the plugin hands back what it was given.
-    let Some(slot) = (unsafe { slot(call) }) else { return TENON_BAD_ARGUMENT };
-    slot.own(TENON_BAD_ARGUMENT, |_, r| {
+    let slot = unsafe { Slot::of(call) };
+    own(slot, TENON_BAD_ARGUMENT, |_, r| {
         // SAFETY: the contract: NULL or a message.
         match unsafe { read_message(message) } {
             Ok(message) => {
@@ -250,7 +145,7 @@ unsafe extern "C" fn tell(call: *const tenon_call, message: *const tenon_message
                 TENON_OK
             }
             Err(why) => {
-                r.fault.get_or_insert_with(|| format!("tell: {why}"));
+                r.fault(format_args!("tell"), &why);
                 TENON_BAD_ARGUMENT
             }
         }
@@ -299,8 +194,8 @@ unsafe fn read_message(message: *const tenon_message) -> Result<Message, BadValu
 
 unsafe extern "C" fn buffer(call: *const tenon_call, element: tenon_element, count: u64) -> *mut c_void {
     // SAFETY: the plugin hands back what it was given.
-    let Some(slot) = (unsafe { slot(call) }) else { return std::ptr::null_mut() };
-    slot.own(std::ptr::null_mut(), |watch, r| {
+    let slot = unsafe { Slot::of(call) };
+    own(slot, std::ptr::null_mut(), |watch, r| {
         r.asked += 1;
         match watch.room {
             _ if watch.refuse_buffer == Some(r.asked - 1) => std::ptr::null_mut(),
@@ -315,15 +210,15 @@ unsafe extern "C" fn buffer(call: *const tenon_call, element: tenon_element, cou
 
 unsafe extern "C" fn set(call: *const tenon_call, output: u32, value: *const tenon_tree) -> tenon_status {
     // SAFETY: the plugin hands back what it was given.
-    let Some(slot) = (unsafe { slot(call) }) else { return TENON_BAD_ARGUMENT };
-    slot.own(TENON_BAD_ARGUMENT, |_, r| {
-        let mut reader = Reader { buffers: &mut r.buffers };
+    let slot = unsafe { Slot::of(call) };
+    own(slot, TENON_BAD_ARGUMENT, |_, r| {
+        let reader = Reader::new(&mut r.buffers);
         // SAFETY: the contract: NULL or a value whose pointers are good until we return.
         let read = unsafe { reader.tree(value) }.map_err(|e| e.to_string());
         match read.and_then(|branches| r.sink.set(output, branches)) {
             Ok(()) => TENON_OK,
             Err(why) => {
-                r.fault.get_or_insert_with(|| format!("output {output}: {why}"));
+                r.fault(format_args!("output {output}"), &why);
                 TENON_BAD_TYPE
             }
         }
@@ -332,11 +227,11 @@ unsafe extern "C" fn set(call: *const tenon_call, output: u32, value: *const ten
 
 unsafe extern "C" fn forward(call: *const tenon_call, output: u32, input: u32) -> tenon_status {
     // SAFETY: the plugin hands back what it was given.
-    let Some(slot) = (unsafe { slot(call) }) else { return TENON_BAD_ARGUMENT };
-    slot.own(TENON_BAD_ARGUMENT, |_, r| match r.sink.forward(output, input) {
+    let slot = unsafe { Slot::of(call) };
+    own(slot, TENON_BAD_ARGUMENT, |_, r| match r.sink.forward(output, input) {
         Ok(()) => TENON_OK,
         Err(why) => {
-            r.fault.get_or_insert_with(|| format!("output {output}: {why}"));
+            r.fault(format_args!("output {output}"), &why);
             TENON_BAD_ARGUMENT
         }
     })
@@ -395,22 +290,32 @@ impl PluginNode {
             Body::Apart(processes, index) => return processes.evaluate(*index, inputs.inputs, watch, sink),
         };
         let own = Own { sink, buffers: Buffers::default(), asked: 0, fault: None };
-        let running = Running { watch, stray: AtomicBool::new(false), own: UnsafeCell::new(own) };
-        let (slot, trees) = (Slot::take(), &inputs.trees);
-        slot.open(&running);
-        // SAFETY: the plugin was loaded and never goes; inputs and call live through the call; it does not unwind, says
-        // the contract.
-        let status = unsafe { evaluate(data, &raw const slot.call, trees.as_ptr(), trees.len() as u32) };
-        slot.close();
-        let stray =
-            running.stray.into_inner().then(|| "it calls back from a thread that evaluate does not run on".into());
-        match (status, running.own.into_inner().fault.or(stray)) {
-            (TENON_CANCELLED, _) if (watch.cancelled)() => Err(EvaluateError::Cancelled),
-            (_, Some(fault)) => Err(EvaluateError::Fault(fault)),
-            (TENON_OK, None) => Ok(()),
-            (TENON_CANCELLED, None) => Err(EvaluateError::Fault("it gave up although nobody asked it to".into())),
-            (TENON_FAILED, None) => Err(EvaluateError::Failed),
-            (other, None) => Err(EvaluateError::Fault(format!("evaluate gave the status {other}"))),
+        let mut running = Running { watch: &watch, stray: AtomicBool::new(false), own: UnsafeCell::new(own) };
+        let trees = &inputs.trees;
+        let status = Slot::with(&running, |call| {
+            // SAFETY: the plugin was loaded and never goes; inputs and call live through the call; it does not unwind,
+            // says the contract.
+            unsafe { evaluate(data, call, trees.as_ptr(), trees.len() as u32) }
+        });
+        if status == TENON_OK && running.own.get_mut().fault.is_none() && !*running.stray.get_mut() {
+            return Ok(());
+        }
+        Err(running.ended(status))
+    }
+}
+
+impl Running<'_> {
+    /// Why it did not end well.
+    #[cold]
+    fn ended(&mut self, status: tenon_status) -> EvaluateError {
+        let stray = self.stray.get_mut().then(|| "it calls back from a thread that evaluate does not run on".into());
+        let fault = self.own.get_mut().fault.take().map(String::from).or(stray);
+        match (status, fault) {
+            (TENON_CANCELLED, _) if (self.watch.cancelled)() => EvaluateError::Cancelled,
+            (_, Some(fault)) => EvaluateError::Fault(fault),
+            (TENON_CANCELLED, None) => EvaluateError::Fault("it gave up although nobody asked it to".into()),
+            (TENON_FAILED, None) => EvaluateError::Failed,
+            (other, None) => EvaluateError::Fault(format!("evaluate gave the status {other}")),
         }
     }
 }

@@ -1,24 +1,24 @@
 //! What a plugin says of itself: its descriptors, checked and read into values of our own.
 
-use super::{Body, LoadFault, NodeInfo, Plugin, PluginNode, PortInfo};
+use super::{Body, LoadFault, NodeInfo, Plugin, PluginNode, PortInfo, layout};
 use crate::abi::plugin::*;
 use crate::abi::value::*;
 use crate::from_c::text;
 use std::path::PathBuf;
 
 /// Reads descriptors; every fault names its place.
-struct Descriptors {
-    place: String,
+pub(super) struct Descriptors {
+    pub place: String,
 }
 
 impl Descriptors {
-    fn fault(&self, why: impl ToString) -> LoadFault {
+    pub fn fault(&self, why: impl ToString) -> LoadFault {
         LoadFault::Descriptor { place: self.place.clone(), why: why.to_string() }
     }
 
     /// # Safety
     /// The text is as the contract says.
-    unsafe fn text(&self, t: tenon_str, what: &'static str) -> Result<String, LoadFault> {
+    pub unsafe fn text(&self, t: tenon_str, what: &'static str) -> Result<String, LoadFault> {
         if t.len > 1 << 20 {
             return Err(self.fault(format!("{what} is longer than 1 MiB")));
         }
@@ -31,7 +31,7 @@ impl Descriptors {
     ///
     /// # Safety
     /// There are as many bytes as `size` says, and zeros are good for what a maker does not know.
-    unsafe fn grown<T: Copy>(&self, at: *const T, size: u32, least: usize, what: &str) -> Result<T, LoadFault> {
+    pub unsafe fn grown<T: Copy>(&self, at: *const T, size: u32, least: usize, what: &str) -> Result<T, LoadFault> {
         if (size as usize) < least {
             return Err(self.fault(format!("the size of {what} is {size}; set it to sizeof({what})")));
         }
@@ -189,6 +189,15 @@ fn is_name(name: &str) -> bool {
 }
 
 impl Plugin {
+    /// A plugin of this very program, which needs no library: its nodes are called by the same contract.
+    ///
+    /// # Errors
+    /// As [`Plugin::load`], for its descriptors.
+    pub fn built_in(plugin: crate::author::Plugin) -> Result<Self, LoadFault> {
+        // SAFETY: the author layer makes descriptors as the contract says, and they are kept for ever.
+        unsafe { Self::read(plugin.leak(), PathBuf::new()) }
+    }
+
     /// Reads a descriptor.
     ///
     /// # Safety
@@ -208,6 +217,9 @@ impl Plugin {
         let mut descriptors = Descriptors { place: "the plugin".into() };
         // SAFETY: it is as large as it says.
         let p = unsafe { descriptors.grown(plugin, size, PLUGIN, "tenon_plugin")? };
+        // SAFETY: as the caller vouches. Nothing else is read before this.
+        unsafe { layout::check(p.layout, &mut descriptors)? };
+        descriptors.place = "the plugin".into();
         // SAFETY: as the caller vouches.
         let (id, version, vendor, doc) = unsafe {
             (

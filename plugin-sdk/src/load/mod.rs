@@ -3,11 +3,18 @@
 
 mod call;
 mod descriptor;
+mod fences;
+mod gate;
+#[cfg(test)]
+mod gate_tests;
+mod layout;
 mod migrate;
+mod slot;
 #[cfg(test)]
 mod tests;
 
-pub use call::{EvaluateError, Message, Sink, Views, Watch, late_calls};
+pub use call::{EvaluateError, Message, Sink, Views, Watch};
+pub use slot::late_calls;
 
 use crate::abi::plugin::*;
 use crate::abi::value::*;
@@ -16,6 +23,12 @@ use std::ffi::c_void;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// What the gate is made of; its model in the tests has others.
+mod atomic {
+    pub use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering, fence};
+    pub use std::thread::yield_now;
+}
 
 /// Why a plugin was not loaded.
 #[derive(Debug, thiserror::Error)]
@@ -48,6 +61,21 @@ pub enum LoadFault {
         /// Its major version.
         found: u32,
     },
+    /// It was built from another source of the contract than its version says, or by a compiler that lays out otherwise.
+    #[error(
+        "{}\nbuild it anew, for this program's system, with the plugin-sdk of this Tenon (contract {TENON_PLUGIN_MAJOR}.{TENON_PLUGIN_MINOR})",
+        misplaced(of, name, *theirs, *ours)
+    )]
+    Layout {
+        /// The struct.
+        of: String,
+        /// The first field that differs; empty: the struct's size does.
+        name: String,
+        /// Where the plugin has it: bytes before it, its bytes.
+        theirs: (u32, u32),
+        /// Where this program has it.
+        ours: (u32, u32),
+    },
     /// Its process does not do what it should.
     #[error("{0}")]
     Process(String),
@@ -59,6 +87,14 @@ pub enum LoadFault {
         /// What is wrong.
         why: String,
     },
+}
+
+fn misplaced(of: &str, name: &str, theirs: (u32, u32), ours: (u32, u32)) -> String {
+    if name.is_empty() {
+        return format!("{of} has {} bytes in the plugin and {} in this program", theirs.1, ours.1);
+    }
+    let place = |(offset, bytes)| format!("{bytes} bytes after {offset}");
+    format!("{of}.{name} is {} in the plugin and {} in this program", place(theirs), place(ours))
 }
 
 /// A port of a plugin's node.

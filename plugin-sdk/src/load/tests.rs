@@ -1,7 +1,9 @@
 //! What can be tried without a library, under miri too: a plugin made here, loaded from its descriptor.
 
 use super::*;
+use crate::abi::layout::{FIELDS, LAYOUT};
 use crate::author;
+use crate::from_c::text;
 use crate::value::*;
 use std::borrow::Cow;
 use std::sync::Mutex;
@@ -167,4 +169,221 @@ fn other_threads_may_ask_and_are_late_afterwards() {
     });
     assert_eq!(late.join().unwrap(), 1);
     assert!(late_calls() > before);
+}
+
+fn of(node: author::Node) -> Result<Plugin, LoadFault> {
+    let (port, doc) = (author::Port::number("x").doc("A number."), "Does something.");
+    Plugin::built_in(author::Plugin::new("here", "1.0.0").node(node.name("Node").doc(doc).input(port)))
+}
+
+const QUIET: Watch<'static> = Watch { cancelled: &|| false, progress: &|_| (), refuse_buffer: None, room: None };
+
+/// A layout as a plugin would carry it that was built from a changed source: one field lies elsewhere, or is new.
+fn read_with(change: impl Fn(&mut tenon_field)) -> Result<Plugin, LoadFault> {
+    let (mut fields, mut plugin) = (Vec::new(), *described());
+    for f in FIELDS {
+        let (of, name) = (tenon_str::of(f.of), tenon_str::of(f.name));
+        let mut field = tenon_field { of, name, offset: f.offset, bytes: f.bytes };
+        change(&mut field);
+        fields.push(field);
+    }
+    let layout = tenon_layout { digest: LAYOUT.digest ^ 1, fields: fields.as_ptr(), ..LAYOUT };
+    plugin.layout = &raw const layout;
+    // SAFETY: a descriptor whose pointers are good until it was read.
+    unsafe { Plugin::read(&raw const plugin, "here".into()) }
+}
+
+fn number_node() -> author::Node {
+    let output = author::Port::number("y").doc("A number.");
+    author::Node::new("here.node", 1).output(output).run(|c| c.set_number("y", c.number("x")?))
+}
+
+fn described() -> &'static tenon_plugin {
+    let input = author::Port::number("x").doc("A number.");
+    author::Plugin::new("here", "1.0.0").node(number_node().name("Node").doc("Does something.").input(input)).leak()
+}
+
+/// The struct and the field that an entry is about.
+fn is(field: &tenon_field, of: &str, name: &str) -> bool {
+    // SAFETY: texts made of our own names.
+    unsafe { text(field.of, "of") == Ok(of) && text(field.name, "name") == Ok(name) }
+}
+
+#[test]
+fn a_plugin_that_was_laid_out_otherwise_is_refused_by_the_field() {
+    let refused = |of: &str, name: &str, offset: u32, bytes: u32| {
+        let moved = read_with(|f| {
+            if is(f, of, name) {
+                (f.offset, f.bytes) = (f.offset + offset, f.bytes + bytes);
+            }
+        });
+        moved.unwrap_err().to_string()
+    };
+    let told = refused("tenon_feature", "depth", 4, 0);
+    let lines: Vec<&str> = told.lines().collect();
+    assert_eq!(lines[0], "tenon_feature.depth is 8 bytes after 100 in the plugin and 8 bytes after 96 in this program");
+    assert!(lines[1].starts_with("build it anew") && lines[1].contains("plugin-sdk"), "{told}");
+    assert_eq!(lines.len(), 2);
+    assert!(refused("tenon_mesh", "flags", 0, 4).starts_with("tenon_mesh.flags is 8 bytes after 4 in the plugin"));
+    assert!(
+        refused("tenon_vec3", "", 0, 8).starts_with("tenon_vec3 has 32 bytes in the plugin and 24 in this program")
+    );
+}
+
+#[test]
+fn a_layout_that_only_grew_is_taken() {
+    assert!(read_with(|_| ()).is_ok());
+    // A field, and a struct, that we do not know yet; and one of ours that the plugin does not know yet.
+    let new = |of: &str, name: &str| {
+        read_with(|f| {
+            if is(f, of, name) {
+                (f.name, f.offset) = (tenon_str::of("more"), 1000);
+            }
+        })
+    };
+    assert!(new("tenon_node_type", "migrate").is_ok());
+    assert!(new("tenon_layout", "").is_ok());
+    // And none at all, as in C.
+    let plugin = tenon_plugin { layout: std::ptr::null(), ..*described() };
+    // SAFETY: a descriptor made by the author layer.
+    assert!(unsafe { Plugin::read(&raw const plugin, "here".into()) }.is_ok());
+}
+
+#[test]
+fn a_layout_that_cannot_be_read_is_refused() {
+    let spoilt = |layout: tenon_layout| {
+        let plugin = tenon_plugin { layout: &raw const layout, ..*described() };
+        // SAFETY: a descriptor whose pointers are good until it was read.
+        unsafe { Plugin::read(&raw const plugin, "here".into()) }.unwrap_err().to_string()
+    };
+    let other = tenon_layout { digest: 0, ..LAYOUT };
+    assert!(spoilt(tenon_layout { size: 8, ..other }).contains("the size of tenon_layout is 8"));
+    for wrong in [
+        tenon_layout { fields: std::ptr::null(), ..other },
+        tenon_layout { field_stride: 8, ..other },
+        tenon_layout { field_count: u64::MAX, ..other },
+    ] {
+        assert!(spoilt(wrong).contains("fields at"), "{wrong:?}");
+    }
+}
+
+#[test]
+fn the_digest_is_what_the_header_says() {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    for f in FIELDS {
+        let words =
+            [f.of.as_bytes(), &[0], f.name.as_bytes(), &[0], &f.offset.to_le_bytes(), &f.bytes.to_le_bytes()].concat();
+        words.iter().for_each(|b| hash = (hash ^ u64::from(*b)).wrapping_mul(0x100_0000_01b3));
+    }
+    assert_eq!(LAYOUT.digest, hash);
+    assert!(FIELDS.len() > 150);
+}
+
+#[test]
+fn trees_notes_and_questions_in_rust() {
+    let node = author::Node::new("here.tree", 1)
+        .name("Tree")
+        .doc("Turns branches round.")
+        .input(author::Port::number("tree").tree().doc("Branches."))
+        .output(author::Port::number("turned").tree().doc("The same from the end."))
+        .run(|c| {
+            if c.cancelled() {
+                return Err(author::Fail::cancelled());
+            }
+            c.note(&author::Fail::new("turned", "they were turned round").port("tree"));
+            let turned: Vec<Branch<'_>> = c.tree("tree")?.iter().rev().cloned().collect();
+            c.set("turned", &turned)
+        });
+    let plugin = Plugin::built_in(author::Plugin::new("here", "1.0.0").node(node)).unwrap();
+    let node = &plugin.nodes[0];
+    assert_eq!((node.inputs[0].access, node.outputs[0].access), (TENON_TREE, TENON_TREE));
+    let branch = |path: &'static [i32], x: f64| Branch {
+        path: Cow::Borrowed(path),
+        items: Items::Number(vec![x].into()),
+        valid: None,
+    };
+    let (inputs, mut came) = ([vec![branch(&[0, 1], 1.0), branch(&[0, 7], 2.0)]], Came::default());
+    node.evaluate(&inputs, QUIET, &mut came).unwrap();
+    let turned = vec![inputs[0][1].clone(), inputs[0][0].clone()];
+    assert_eq!(came.0, ["turned at Some(\"tree\") None".to_owned(), format!("set 0 {turned:?}")]);
+    let stop = Watch { cancelled: &|| true, ..QUIET };
+    assert_eq!(node.evaluate(&inputs, stop, &mut Came::default()), Err(EvaluateError::Cancelled));
+}
+
+/// Whether what comes is owned, which means that it was not copied: a buffer changed hands.
+#[derive(Default)]
+struct Owned(Vec<bool>);
+
+impl Sink for Owned {
+    fn set(&mut self, _: u32, value: Vec<Branch<'_>>) -> Result<(), String> {
+        let cows = |c: &Curve<'_>| [matches!(c.points, Cow::Owned(_)), matches!(c.strip_start, Cow::Owned(_))];
+        for branch in &value {
+            match &branch.items {
+                Items::Number(v) => self.0.push(matches!(v, Cow::Owned(_))),
+                Items::Curve(v) => self.0.extend(v.iter().flat_map(cows)),
+                _ => return Err("another value".into()),
+            }
+        }
+        Ok(())
+    }
+    fn forward(&mut self, _: u32, _: u32) -> Result<(), String> {
+        Err("nothing is forwarded".into())
+    }
+    fn tell(&mut self, message: Message) {
+        assert_eq!(message.code, "no-memory");
+    }
+}
+
+#[test]
+fn buffers_go_over_without_a_copy_from_rust_too() {
+    let node = number_node().run(|c| {
+        c.fill("y", |c| {
+            let numbers = c.buffer::<f64>(3)?;
+            assert_eq!(numbers, [0.0; 3]);
+            numbers[1] = c.number("x")?;
+            Ok(Items::Number((&*numbers).into()))
+        })?;
+        c.fill("y", |c| {
+            let (points, starts) = (c.buffer::<tenon_vec4>(4)?, c.buffer::<u32>(3)?);
+            (starts[1], starts[2]) = (2, 4);
+            let curve = Curve { points: (&*points).into(), strip_start: (&*starts).into(), closed: false };
+            Ok(Items::Curve(vec![curve]))
+        })
+    });
+    let (plugin, inputs) = (of(node).unwrap(), [vec![Branch::root(Items::Number(vec![5.0].into()))]]);
+    let mut came = Owned::default();
+    plugin.nodes[0].evaluate(&inputs, QUIET, &mut came).unwrap();
+    assert_eq!(came.0, [true; 3]);
+    for k in 0..3 {
+        let watch = Watch { refuse_buffer: Some(k), ..QUIET };
+        assert_eq!(plugin.nodes[0].evaluate(&inputs, watch, &mut Owned::default()), Err(EvaluateError::Failed));
+    }
+}
+
+#[test]
+fn a_buffer_can_be_given_once() {
+    let node = number_node().run(|c| {
+        c.fill("y", |c| {
+            let points = &*c.buffer::<tenon_vec4>(4)?;
+            let curve = |points| Curve { points: Cow::Borrowed(points), strip_start: vec![0, 2].into(), closed: false };
+            // The second lies in the first, which may be gone when it is read.
+            Ok(Items::Curve(vec![Curve { strip_start: vec![0, 4].into(), ..curve(points) }, curve(&points[1..3])]))
+        })
+    });
+    let (plugin, inputs) = (of(node).unwrap(), [vec![Branch::root(Items::Number(vec![5.0].into()))]]);
+    let ended = plugin.nodes[0].evaluate(&inputs, QUIET, &mut Deaf);
+    assert_eq!(ended, Err(EvaluateError::Fault("output 0: two arrays share memory of one buffer".into())));
+}
+
+/// Takes whatever comes.
+struct Deaf;
+
+impl Sink for Deaf {
+    fn set(&mut self, _: u32, _: Vec<Branch<'_>>) -> Result<(), String> {
+        Ok(())
+    }
+    fn forward(&mut self, _: u32, _: u32) -> Result<(), String> {
+        Ok(())
+    }
+    fn tell(&mut self, _: Message) {}
 }
