@@ -118,6 +118,11 @@ pub const CODES: &[Code] = &[
         "The message says how long it may be.",
     ),
     code(
+        "feature-off-edges",
+        "A fastener of a plugin gave a feature for an edge that was not selected.",
+        "The message names panel and edge; the feature is left out. Tell the plugin's maker.",
+    ),
+    code(
         "feature-out-of-reach",
         "The machine cannot reach a hole, a slot or a pocket; it is left to hand work.",
         "The message says what is missing: a longer tool, a smaller tilt, the other face up.",

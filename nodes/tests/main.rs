@@ -5,6 +5,7 @@ mod chain;
 mod common;
 mod corpus;
 mod expression;
+mod fasteners;
 #[path = "../../fuzz/src/lib.rs"]
 mod fuzz;
 mod graphs;

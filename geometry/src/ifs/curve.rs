@@ -119,11 +119,27 @@ impl Curve {
     /// # Errors
     /// [`CurveError::TooFewPoints`], [`CurveError::NotFinite`], [`CurveError::Weight`] (W ≤ 0).
     pub fn polyline(points: Vec<DVec4>, closed: bool) -> Result<Self, CurveError> {
+        let end = u32::try_from(points.len()).unwrap_or(u32::MAX);
+        Self::strips_of(points, vec![0, end], closed)
+    }
+
+    /// The same of several strips: `strip_start` holds the first point of each, then the number of points. Segments are
+    /// named in drawing order, as of one polyline. A curve of several strips cannot be closed.
+    ///
+    /// # Errors
+    /// As [`Curve::polyline`], for every strip; [`CurveError::Strips`].
+    pub fn strips_of(points: Vec<DVec4>, strip_start: Vec<u32>, closed: bool) -> Result<Self, CurveError> {
         let needed = if closed { 3 } else { 2 };
-        if points.len() < needed {
-            return Err(CurveError::TooFewPoints { given: points.len(), needed, closed });
+        let strips = strip_start.len().saturating_sub(1);
+        let ends = [strip_start.first(), strip_start.last()].map(|e| e.map(|e| *e as usize));
+        if ends != [Some(0), Some(points.len())] || closed && strips != 1 {
+            return Err(CurveError::Strips { strips, points: points.len(), closed });
         }
-        let segments = points.len() - usize::from(!closed);
+        let lengths = strip_start.windows(2).map(|w| (w[1] as usize).saturating_sub(w[0] as usize));
+        if let Some(given) = lengths.min().filter(|least| *least < needed) {
+            return Err(CurveError::TooFewPoints { given, needed, closed });
+        }
+        let segments = points.len() - if closed { 0 } else { strips };
         if segments > super::MAX_SEGMENTS {
             return Err(CurveError::TooManySegments { iterations: 0, limit: super::MAX_SEGMENTS, largest: 0 });
         }
@@ -137,7 +153,7 @@ impl Curve {
                 return Err(CurveError::Weight { word: words.word(i.min(segments - 1)), weight: p.w });
             }
         }
-        Ok(Self { strip_start: vec![0, points.len() as u32], points, closed, words })
+        Ok(Self { strip_start, points, closed, words })
     }
 
     /// Number of strips.

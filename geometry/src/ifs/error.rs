@@ -171,6 +171,16 @@ pub enum CurveError {
         /// Whether it is closed.
         closed: bool,
     },
+    /// Strips that do not divide the points, or a closed curve of several.
+    #[error("{points} points cannot be {} of {strips} strips", if *closed { "a closed curve" } else { "a curve" })]
+    Strips {
+        /// Number of strips.
+        strips: usize,
+        /// Number of points.
+        points: usize,
+        /// Whether it is closed.
+        closed: bool,
+    },
     /// All control points lie in one place, within the tolerance.
     #[error("all control points lie in one place: the curve is a point")]
     OnePoint,

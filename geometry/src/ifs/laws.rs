@@ -400,3 +400,18 @@ fn a_polyline_is_checked_like_any_curve() {
     bad[2].w = 0.0;
     assert!(matches!(Curve::polyline(bad, false), Err(CurveError::Weight { .. })));
 }
+
+#[test]
+fn strips_are_checked_like_polylines() {
+    let points = row(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 1.0, 0.0], [3.0, 1.0, 0.0], [4.0, 1.0, 0.0]]);
+    let curve = Curve::strips_of(points.clone(), vec![0, 2, 5], false).unwrap();
+    assert_eq!((curve.strip_count(), curve.segment_count()), (2, 3));
+    assert_eq!([0, 1, 2, 3].map(|i| curve.segment(i)), [Some((0, 1)), Some((2, 3)), Some((3, 4)), None]);
+    assert_eq!(curve.word(2).unwrap().to_string(), "1/#3");
+    let few = |given| Err(CurveError::TooFewPoints { given, needed: 2, closed: false });
+    assert_eq!(Curve::strips_of(points.clone(), vec![0, 4, 5], false), few(1));
+    assert_eq!(Curve::strips_of(points.clone(), vec![0, 4, 2, 5], false), few(0));
+    for (starts, closed) in [(vec![0, 2, 5], true), (vec![0, 2], false), (vec![1, 5], false), (vec![], false)] {
+        assert!(matches!(Curve::strips_of(points.clone(), starts, closed), Err(CurveError::Strips { .. })));
+    }
+}

@@ -1,6 +1,6 @@
 //! The edges that a fastener is asked to join, and whether what it gave lies in the panels.
 
-use super::feature::{FeatureSet, Machining};
+use super::feature::{Feature, FeatureSet, Machining};
 use super::rule::{EdgeSelection, Head};
 use crate::panel::{EdgeRef, PanelSet, Side};
 use glam::DVec3;
@@ -21,8 +21,15 @@ pub struct JointEdge {
     pub angle: f64,
 }
 
+impl JointEdge {
+    /// The side that comes first in the set.
+    pub(super) fn own(&self) -> EdgeRef {
+        self.second.map_or(self.first, |second| self.first.min(second))
+    }
+}
+
 /// Whether a rule for `selection` is for this edge.
-pub(super) fn selects(set: &PanelSet, selection: EdgeSelection, edge: EdgeRef) -> bool {
+fn selects(set: &PanelSet, selection: EdgeSelection, edge: EdgeRef) -> bool {
     let c = set.corners(edge.panel as usize).start + edge.edge as usize;
     let inner = set.neighbour[c].is_some();
     match selection {
@@ -92,6 +99,16 @@ pub enum Misplaced {
         /// Edge.
         edge: u32,
     },
+    /// Nothing was to be made at its edge, or, if it names none, anywhere at its panel.
+    #[error("feature {feature}: {} of panel {panel} was not selected", edge.map_or("no edge".into(), |e| format!("edge {e}")))]
+    Unselected {
+        /// Index of the feature.
+        feature: usize,
+        /// Panel.
+        panel: u32,
+        /// Edge that it names.
+        edge: Option<u32>,
+    },
     /// A point that it is given by lies off the panel.
     #[error("feature {feature}: {distance:.2} mm outside panel {panel}")]
     Outside {
@@ -109,21 +126,37 @@ impl Misplaced {
     #[must_use]
     pub fn panel(&self) -> u32 {
         match *self {
-            Self::Panel { panel, .. } | Self::Edge { panel, .. } | Self::Outside { panel, .. } => panel,
+            Self::Panel { panel, .. }
+            | Self::Edge { panel, .. }
+            | Self::Unselected { panel, .. }
+            | Self::Outside { panel, .. } => panel,
         }
     }
 }
 
-/// Takes out features that do not lie at their panel: the points that they are given by may be `tolerance` outside its
-/// front, back and chamfers, mm. O(features · edges of a panel).
-pub fn take_misplaced(set: &PanelSet, features: &mut FeatureSet, tolerance: f64) -> Vec<Misplaced> {
+/// Takes out features that do not lie at their panel and at one of `edges`, which were selected: the points that they are
+/// given by may be `tolerance` outside the panel's front, back and chamfers, mm. O(edges + features · edges of a panel).
+pub fn take_misplaced(
+    set: &PanelSet,
+    edges: &[JointEdge],
+    features: &mut FeatureSet,
+    tolerance: f64,
+) -> Vec<Misplaced> {
+    // Per edge of every panel, in the order of the set.
+    let mut selected = vec![false; set.front.len()];
+    let sides = edges.iter().flat_map(|e| [Some(e.first), e.second]).flatten();
+    for side in sides.filter(|side| (side.panel as usize) < set.len()) {
+        if let Some(place) = selected.get_mut(set.corners(side.panel as usize).start + side.edge as usize) {
+            *place = true;
+        }
+    }
     let mut issues = Vec::new();
     let mut number = 0;
     for list in [&mut features.features, &mut features.by_hand] {
         list.retain(|f| {
             let index = number;
             number += 1;
-            let issue = misplaced(set, f.panel, f.edge, &f.machining, tolerance, index);
+            let issue = misplaced(set, f, tolerance, index).or_else(|| unselected(set, f, &selected, index));
             issues.extend(issue);
             issue.is_none()
         });
@@ -131,14 +164,15 @@ pub fn take_misplaced(set: &PanelSet, features: &mut FeatureSet, tolerance: f64)
     issues
 }
 
-fn misplaced(
-    set: &PanelSet,
-    panel: u32,
-    edge: Option<u32>,
-    machining: &Machining,
-    tolerance: f64,
-    feature: usize,
-) -> Option<Misplaced> {
+/// For a feature of a panel and an edge that there are.
+fn unselected(set: &PanelSet, f: &Feature, selected: &[bool], feature: usize) -> Option<Misplaced> {
+    let edges = &selected[set.corners(f.panel as usize)];
+    let wanted = f.edge.map_or_else(|| edges.contains(&true), |edge| edges[edge as usize]);
+    (!wanted).then_some(Misplaced::Unselected { feature, panel: f.panel, edge: f.edge })
+}
+
+fn misplaced(set: &PanelSet, f: &Feature, tolerance: f64, feature: usize) -> Option<Misplaced> {
+    let Feature { panel, edge, ref machining, .. } = *f;
     let i = panel as usize;
     if i >= set.len() || !set.is_valid(i) {
         return Some(Misplaced::Panel { feature, panel });

@@ -1,7 +1,7 @@
 //! Fasteners laid along edges: spacing, matched holes in both panels, hardware (METHODS §6, 000 §6.4).
 
 use super::cover::{Hole, PanelPlanes, segment_distance};
-use super::edges::selects;
+use super::edges::{JointEdge, select_edges};
 use super::feature::{Feature, FeatureSet, Hardware, Machining};
 use super::issue::{FastenerError, JointIssue};
 use super::rule::{Direction, Fastener, FastenerRule, Head, Height, Pin, PinKind, ShortEdge, Toe, ToeLength};
@@ -42,31 +42,39 @@ pub fn lay_all(
     go: &(dyn Fn() -> bool + Sync),
 ) -> Result<(FeatureSet, Vec<JointIssue>), FastenerError> {
     rules.iter().try_for_each(FastenerRule::check)?;
-    let mut lay = Lay {
-        set,
-        planes: PanelPlanes::new(set),
-        features: Vec::new(),
-        bores: (0..set.len()).map(|_| Vec::new()).collect(),
-        hardware: BTreeMap::new(),
-        issues: Vec::new(),
-        joints: 0,
-    };
+    let mut lay = Lay::new(set);
     for rule in rules {
-        for panel in 0..set.len() as u32 {
-            if !go() {
-                return Err(FastenerError::Cancelled);
-            }
-            for edge in 0..set.corners(panel as usize).len() as u32 {
-                lay.edge(rule, panel, edge);
-            }
-        }
+        let edges: Vec<EdgeRef> = select_edges(set, rule.edges, rule.head).iter().map(JointEdge::own).collect();
+        lay.edges(rule, &edges, go)?;
     }
-    let mut features = lay.features;
-    features.sort_by_key(|f| f.panel);
-    let name = |name: &str, [d, l]: [u64; 2]| format!("{name} {} x {}", f64::from_bits(d), f64::from_bits(l));
-    let hardware = lay.hardware.into_iter();
-    let hardware = hardware.map(|((kind, size), count)| Hardware { name: name(kind, size), count }).collect();
-    Ok((FeatureSet { features, by_hand: Vec::new(), hardware }, lay.issues))
+    Ok(lay.done())
+}
+
+/// Lays the fasteners of one rule along edges that were selected before; the rule's own selection does not count. Which
+/// of an edge's panels is the first follows `rule.head` alone. Otherwise as [`lay_all`].
+///
+/// # Errors
+/// As [`lay_all`], or an edge is not of the set.
+pub fn lay_edges(
+    set: &PanelSet,
+    edges: &[JointEdge],
+    rule: &FastenerRule,
+    go: &dyn Fn() -> bool,
+) -> Result<(FeatureSet, Vec<JointIssue>), FastenerError> {
+    rule.check()?;
+    let own: Vec<EdgeRef> = edges.iter().map(JointEdge::own).collect();
+    let strange = own.iter().find(|e| e.edge as usize >= corners(set, e.panel));
+    if let Some(&EdgeRef { panel, edge }) = strange {
+        return Err(FastenerError::NoSuchEdge { panel, edge });
+    }
+    let mut lay = Lay::new(set);
+    lay.edges(rule, &own, go)?;
+    Ok(lay.done())
+}
+
+/// Number of corners of a panel; 0 past the end.
+fn corners(set: &PanelSet, panel: u32) -> usize {
+    if (panel as usize) < set.len() { set.corners(panel as usize).len() } else { 0 }
 }
 
 struct Lay<'a> {
@@ -138,7 +146,41 @@ impl Place<'_> {
     }
 }
 
-impl Lay<'_> {
+impl<'a> Lay<'a> {
+    fn new(set: &'a PanelSet) -> Self {
+        Self {
+            set,
+            planes: PanelPlanes::new(set),
+            features: Vec::new(),
+            bores: (0..set.len()).map(|_| Vec::new()).collect(),
+            hardware: BTreeMap::new(),
+            issues: Vec::new(),
+            joints: 0,
+        }
+    }
+
+    /// Lays a rule along edges, each given from the side that comes first in the set.
+    fn edges(&mut self, rule: &FastenerRule, edges: &[EdgeRef], go: &dyn Fn() -> bool) -> Result<(), FastenerError> {
+        let mut before = None;
+        for edge in edges {
+            if before.replace(edge.panel) != Some(edge.panel) && !go() {
+                return Err(FastenerError::Cancelled);
+            }
+            self.edge(rule, *edge);
+        }
+        Ok(())
+    }
+
+    /// The features by panel, and the hardware.
+    fn done(self) -> (FeatureSet, Vec<JointIssue>) {
+        let mut features = self.features;
+        features.sort_by_key(|f| f.panel);
+        let name = |name: &str, [d, l]: [u64; 2]| format!("{name} {} x {}", f64::from_bits(d), f64::from_bits(l));
+        let hardware = self.hardware.into_iter();
+        let hardware = hardware.map(|((kind, size), count)| Hardware { name: name(kind, size), count }).collect();
+        (FeatureSet { features, by_hand: Vec::new(), hardware }, self.issues)
+    }
+
     fn half(&self, panel: u32, edge: u32) -> Half {
         let corners = self.set.corners(panel as usize);
         let c = corners.start + edge as usize;
@@ -160,14 +202,9 @@ impl Lay<'_> {
         [set.front[c].lerp(set.back_start[c], height), set.front[next].lerp(set.back_end[c], height)]
     }
 
-    fn edge(&mut self, rule: &FastenerRule, panel: u32, edge: u32) {
+    fn edge(&mut self, rule: &FastenerRule, EdgeRef { panel, edge }: EdgeRef) {
         let c = self.set.corners(panel as usize).start + edge as usize;
         let neighbour = self.set.neighbour[c];
-        let selected = selects(self.set, rule.edges, EdgeRef { panel, edge });
-        // Once per edge: by the panel that comes first.
-        if !selected || neighbour.is_some_and(|n| (n.panel, n.edge) < (panel, edge)) {
-            return;
-        }
         let (own, other) = (self.half(panel, edge), neighbour.map(|n| self.half(n.panel, n.edge)));
         let height = match rule.height {
             Height::At(height) => height,

@@ -149,6 +149,14 @@ pub enum FastenerError {
         /// Depths of the two holes, mm.
         depth: [f64; 2],
     },
+    /// An edge to be joined that the panel set does not have.
+    #[error("there is no edge {edge} of a panel {panel}")]
+    NoSuchEdge {
+        /// Panel.
+        panel: u32,
+        /// Edge of the panel.
+        edge: u32,
+    },
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,

@@ -11,7 +11,7 @@ mod rule;
 mod tests;
 
 pub use edges::{JointEdge, Misplaced, select_edges, take_misplaced};
-pub use fastener::{DOWEL_LENGTHS, SCREW_LENGTHS, lay_all, lay_fasteners};
+pub use fastener::{DOWEL_LENGTHS, SCREW_LENGTHS, lay_all, lay_edges, lay_fasteners};
 pub use feature::{Feature, FeatureSet, Hardware, Machining};
 pub use issue::{FastenerError, JointIssue};
 pub use reach::{OutOfReach, ReachError, ReachIssue, ReachRule, check_reach, reach, reach_with};

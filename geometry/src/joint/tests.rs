@@ -297,3 +297,55 @@ fn wrong_rules_are_refused() {
     let (laid, issues) = lay_fasteners(&set, &FastenerRule::screws()).unwrap();
     assert!(laid == FeatureSet::default() && issues.is_empty());
 }
+
+#[test]
+fn edges_selected_before_get_the_same_fasteners() {
+    let set = shell(21.0);
+    for head in [Head::LowerAddress, Head::HigherAddress, Head::Alternate] {
+        for selection in [EdgeSelection::All, EdgeSelection::Inner, EdgeSelection::AlongRows] {
+            let rule = FastenerRule { edges: selection, head, ..FastenerRule::toe_screws(Up::Back) };
+            let selected = select_edges(&set, selection, head);
+            let (all, again) =
+                (lay_fasteners(&set, &rule).unwrap(), lay_edges(&set, &selected, &rule, &|| true).unwrap());
+            assert!(!all.0.features.is_empty());
+            assert_eq!(all, again);
+            // Half of the edges, whatever the rule would select.
+            let (half, _) = lay_edges(&set, &selected[..selected.len() / 2], &rule, &|| true).unwrap();
+            assert!(half.features.len() < all.0.features.len());
+            assert!(
+                half.features.iter().all(|f| all.0.features.iter().any(|g| (g.panel, g.edge) == (f.panel, f.edge)))
+            );
+        }
+    }
+    let rule = FastenerRule::toe_screws(Up::Back);
+    let selected = select_edges(&set, EdgeSelection::Inner, Head::Alternate);
+    assert_eq!(lay_edges(&set, &selected, &rule, &|| false), Err(FastenerError::Cancelled));
+    let mut strange = selected[0];
+    (strange.first.panel, strange.second) = (set.len() as u32, None);
+    let refused = lay_edges(&set, &[strange], &rule, &|| true).unwrap_err();
+    assert_eq!(refused.to_string(), format!("there is no edge {} of a panel {}", strange.first.edge, set.len()));
+}
+
+#[test]
+fn features_of_edges_that_were_not_selected_are_taken_out() {
+    let set = shell(21.0);
+    let all = lay_fasteners(&set, &FastenerRule::toe_screws(Up::Back)).unwrap().0;
+    let rows = select_edges(&set, EdgeSelection::AlongRows, Head::Alternate);
+    let across = select_edges(&set, EdgeSelection::AcrossRows, Head::Alternate);
+    let (mut kept, both) = (all.clone(), [rows.clone(), across].concat());
+    assert_eq!(take_misplaced(&set, &both, &mut kept, 1.0), []);
+    assert_eq!(kept, all);
+    let taken = take_misplaced(&set, &rows, &mut kept, 1.0);
+    assert!(!taken.is_empty() && !kept.features.is_empty());
+    assert_eq!(taken.len() + kept.features.len(), all.features.len());
+    let Misplaced::Unselected { feature, panel, edge: Some(edge) } = taken[0] else { panic!("{:?}", taken[0]) };
+    assert_eq!((all.features[feature].panel, all.features[feature].edge), (panel, Some(edge)));
+    assert_eq!(taken[0].to_string(), format!("feature {feature}: edge {edge} of panel {panel} was not selected"));
+    // One that names no edge may be anywhere at a panel that has one.
+    let free = Feature { edge: None, ..all.features[0].clone() };
+    let mut one = FeatureSet { by_hand: vec![free], ..FeatureSet::default() };
+    assert_eq!(take_misplaced(&set, &both, &mut one, 1.0), []);
+    let without = Misplaced::Unselected { feature: 0, panel: all.features[0].panel, edge: None };
+    assert_eq!(take_misplaced(&set, &[], &mut one, 1.0), [without]);
+    assert_eq!(one, FeatureSet::default());
+}

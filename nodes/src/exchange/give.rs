@@ -102,7 +102,7 @@ fn panels(p: &PanelSet) -> c::Panels<'_> {
     }
 }
 
-fn features(f: &FeatureSet) -> c::Features<'_> {
+pub(crate) fn features(f: &FeatureSet) -> c::Features<'_> {
     let by_machine = f.features.iter().map(|x| feature(x, false));
     c::Features {
         features: by_machine.chain(f.by_hand.iter().map(|x| feature(x, true))).collect(),

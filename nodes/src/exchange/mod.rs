@@ -6,5 +6,7 @@ mod preview;
 mod take;
 
 pub use give::branches;
+pub(crate) use give::features;
 pub use preview::{Part, Preview, preview};
+pub(crate) use take::panels;
 pub use take::{lent_tree, tree};

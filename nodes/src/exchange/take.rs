@@ -174,13 +174,10 @@ fn is_unit(v: DVec3) -> bool {
 }
 
 fn curve(v: c::Curve<'_>) -> Result<Curve, String> {
-    if v.strip_start.len() > 2 {
-        return Err(format!("a curve of {} strips cannot be given, only one of one strip", v.strip_start.len() - 1));
-    }
-    Curve::polyline(array(v.points), v.closed).map_err(|e| e.to_string())
+    Curve::strips_of(array(v.points), v.strip_start.into_owned(), v.closed).map_err(|e| e.to_string())
 }
 
-fn panels(p: c::Panels<'_>) -> Result<PanelSet, String> {
+pub(crate) fn panels(p: c::Panels<'_>) -> Result<PanelSet, String> {
     if p.thickness <= 0.0 {
         return Err(format!("a panel set of thickness {} mm", p.thickness));
     }

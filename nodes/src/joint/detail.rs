@@ -1,14 +1,15 @@
-//! `detail`: fasteners along edges.
+//! `detail`: fasteners along edges. The node is the host's part of every fastener; what it lays is [`super::laid`]'s.
 
+use super::laid;
+use crate::plugin::fastener;
 use crate::post::MachineFile;
 use crate::value::{V, Vector, with_address};
+use std::sync::LazyLock;
 use tenon_engine::{Call, Fail, NodeType, Port, Text, Unit};
 use tenon_geometry::board::Up;
-use tenon_geometry::joint::{
-    Direction, EdgeSelection, Fastener, FastenerError, FastenerRule, FeatureSet, Head, Height, JointIssue, OutOfReach,
-    Pin, PinKind, ReachRule, ShortEdge, Toe, ToeLength, check_reach, lay_all,
-};
+use tenon_geometry::joint::{EdgeSelection, FeatureSet, Head, OutOfReach, ReachRule, check_reach};
 use tenon_geometry::panel::PanelSet;
+use tenon_plugin::load::{LoadFault, Plugin};
 
 pub(crate) fn node() -> NodeType {
     let length = |name: &'static str, default: f64, doc: &'static str| {
@@ -52,19 +53,14 @@ pub(crate) fn node() -> NodeType {
 }
 
 fn run(c: &mut Call) -> Result<(), Fail> {
-    let rule = rule(c)?;
-    let panels = c.item::<V<PanelSet>>("panels")?;
-    let monitor = c.monitor();
-    let laid = lay_all(panels, std::slice::from_ref(&rule), &|| !monitor.cancelled());
-    let (features, issues) = laid.map_err(|e| rule_fail(&e))?;
-    for issue in &issues {
-        if issue.is_fatal() { c.report(issue_fail(panels, issue)) } else { c.warn(issue_fail(panels, issue)) }
+    match &*BUILT_IN {
+        Ok(plugin) => plugin.nodes.iter().try_for_each(|node| fastener::run(c, node)),
+        Err(e) => Err(Fail::new("plugin-fault", e.to_string())),
     }
-    let features = reached(c, panels, features)?;
-    c.set("count", features.hardware.iter().map(|h| h.count as i64).sum::<i64>());
-    c.set("features", V::new(features));
-    Ok(())
 }
+
+/// The fastener itself, which knows no more than a plugin's.
+static BUILT_IN: LazyLock<Result<Plugin, LoadFault>> = LazyLock::new(|| Plugin::built_in(laid::plugin()));
 
 /// Sorts out what the machine cannot reach, if there is one at "machine", as "out_of_reach" says.
 pub(crate) fn reached(c: &mut Call, panels: &PanelSet, features: FeatureSet) -> Result<FeatureSet, Fail> {
@@ -87,40 +83,6 @@ pub(crate) fn reached(c: &mut Call, panels: &PanelSet, features: FeatureSet) -> 
     Ok(features)
 }
 
-fn rule(c: &Call) -> Result<FastenerRule, Fail> {
-    let up = up(c)?;
-    let angle = c.number("angle")?.to_radians();
-    let (hole, diameter, length, depth) =
-        (c.number("hole")?, c.number("diameter")?, c.number("length")?, c.number("depth")?);
-    let kind = c.text("kind")?;
-    let pin_kind = if kind.ends_with("dowel") { PinKind::Dowel } else { PinKind::Screw };
-    let fastener = if kind.starts_with("toe") {
-        let length = if length > 0.0 { ToeLength::Given(length) } else { ToeLength::Longest };
-        let least_bite = c.number("least_depth")?;
-        Fastener::Toe(Toe { kind: pin_kind, up, angle, hole, bite: depth, least_bite, diameter, length })
-    } else {
-        let direction = match c.text("direction")? {
-            "section" => Direction::Section(angle),
-            "given" => Direction::Given(c.item::<Vector>("vector")?.0),
-            _ => Direction::ChamferNormal,
-        };
-        Fastener::Pin(Pin { kind: pin_kind, hole, depth: [depth; 2], direction, diameter, length })
-    };
-    let height = c.number("height")?;
-    Ok(FastenerRule {
-        edges: edges(c)?,
-        fastener,
-        head: head(c)?,
-        height: if height < 0.0 { Height::Balanced } else { Height::At(height) },
-        end_distance: c.number("end_distance")?,
-        spacing: c.number("spacing")?,
-        least_spacing: c.number("least_spacing")?,
-        short_edge: if c.text("short_edge")? == "nothing" { ShortEdge::Nothing } else { ShortEdge::Middle },
-        cover: c.number("cover")?,
-        ..FastenerRule::toe_screws(up)
-    })
-}
-
 /// Which edges "edges" says.
 pub(crate) fn edges(c: &Call) -> Result<EdgeSelection, Fail> {
     Ok(match c.text("edges")? {
@@ -132,35 +94,15 @@ pub(crate) fn edges(c: &Call) -> Result<EdgeSelection, Fail> {
     })
 }
 
-/// Which panel "head" says.
-pub(crate) fn head(c: &Call) -> Result<Head, Fail> {
-    Ok(match c.text("head")? {
+/// Which panel a text at "head" says.
+pub(crate) fn head(text: &str) -> Head {
+    match text {
         "lower address" => Head::LowerAddress,
         "higher address" => Head::HigherAddress,
         _ => Head::Alternate,
-    })
+    }
 }
 
 fn up(c: &Call) -> Result<Up, Fail> {
     Ok(if c.text("up")? == "front" { Up::Front } else { Up::Back })
-}
-
-fn issue_fail(panels: &PanelSet, issue: &JointIssue) -> Fail {
-    let code = match issue {
-        JointIssue::EdgeTooShort { .. } => "edge-too-short",
-        JointIssue::ThinWood { .. } => "hole-thin-wood",
-        JointIssue::TooDeep { .. } => "hole-too-deep",
-        JointIssue::TooLong { .. } => "fastener-too-long",
-        JointIssue::AlongChamfer { .. } => "fastener-along-chamfer",
-        JointIssue::HolesMeet { .. } => "holes-meet",
-    };
-    let panel = issue.place().0;
-    Fail::new(code, with_address(panels, panel, issue)).port("panels").item(panel as usize)
-}
-
-fn rule_fail(error: &FastenerError) -> Fail {
-    match error {
-        FastenerError::Cancelled => Fail::cancelled(),
-        _ => Fail::new("bad-parameter", error.to_string()),
-    }
 }

@@ -1,6 +1,7 @@
 //! Nodes for joints.
 
 pub(crate) mod detail;
+mod laid;
 
 use tenon_engine::NodeType;
 

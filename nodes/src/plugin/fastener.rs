@@ -11,7 +11,7 @@ use tenon_geometry::DVec3;
 use tenon_geometry::joint::{FeatureSet, JointEdge, Misplaced, select_edges, take_misplaced};
 use tenon_geometry::panel::{EdgeRef, PanelSet};
 use tenon_plugin::abi::plugin::TENON_ITEM;
-use tenon_plugin::abi::value::{TENON_FEATURES, tenon_edge, tenon_edge_pair};
+use tenon_plugin::abi::value::{TENON_FEATURES, TENON_TEXT, tenon_edge, tenon_edge_pair};
 use tenon_plugin::load::{PluginNode, PortInfo};
 use tenon_plugin::value::{Branch, Items};
 
@@ -29,6 +29,16 @@ pub(super) fn standard_inputs(mut t: NodeType) -> NodeType {
     t
 }
 
+/// The inputs that a fastener declares and that are not the host's already. Its own "head" is the host's, which it sees.
+pub(super) fn own_inputs(node: &PluginNode) -> Result<impl Iterator<Item = &PortInfo>, String> {
+    match node.inputs.iter().find(|p| p.name == "head") {
+        Some(p) if (p.kind, p.access) != (TENON_TEXT, TENON_ITEM) => {
+            Err("a fastener's \"head\" is the host's: one text, by which panel is the first".into())
+        }
+        _ => Ok(node.inputs.iter().filter(|p| p.name != "head")),
+    }
+}
+
 /// The outputs of every fastener.
 pub(super) fn outputs(t: NodeType) -> NodeType {
     t.output(Port::item::<V<FeatureSet>>("features").doc("Features on both panels of every edge, and the hardware."))
@@ -42,10 +52,10 @@ fn pair(e: &JointEdge) -> tenon_edge_pair {
     tenon_edge_pair { first: edge(e.first), second, start: v(e.start), end: v(e.end), angle: e.angle }
 }
 
-pub(super) fn run(c: &mut Call<'_>, node: &PluginNode) -> Result<(), Fail> {
+pub(crate) fn run(c: &mut Call<'_>, node: &PluginNode) -> Result<(), Fail> {
     let panels = c.item::<V<PanelSet>>("panels")?;
-    let edges: Vec<tenon_edge_pair> =
-        select_edges(panels, detail::edges(c)?, detail::head(c)?).iter().map(pair).collect();
+    let selected = select_edges(panels, detail::edges(c)?, detail::head(c.text("head")?));
+    let edges: Vec<tenon_edge_pair> = selected.iter().map(pair).collect();
     let mut trees = vec![Tree::item(panels.clone()), Tree::default(), Tree::item(Text::from(c.text("up")?))];
     for info in &node.inputs {
         trees.push(arriving(c, info)?);
@@ -70,9 +80,10 @@ pub(super) fn run(c: &mut Call<'_>, node: &PluginNode) -> Result<(), Fail> {
         return Err(fault(node, "it ended well without setting its features"));
     };
     let mut features = FeatureSet::clone(given);
-    for issue in take_misplaced(panels, &mut features, TOLERANCE) {
+    for issue in take_misplaced(panels, &selected, &mut features, TOLERANCE) {
         let code = match issue {
             Misplaced::Outside { .. } => "feature-outside-panel",
+            Misplaced::Unselected { .. } => "feature-off-edges",
             Misplaced::Panel { .. } | Misplaced::Edge { .. } => "plugin-fault",
         };
         let message = with_address(panels, issue.panel(), &issue);

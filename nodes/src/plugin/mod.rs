@@ -1,6 +1,6 @@
 //! Plugins as nodes: each node type that a library brings becomes one of the registry's.
 
-mod fastener;
+pub(crate) mod fastener;
 mod node;
 mod search;
 mod wanted;

@@ -26,13 +26,19 @@ pub(super) fn node_type(plugin: &Arc<Plugin>, index: usize) -> Result<NodeType, 
     if node.slow {
         t = t.slow();
     }
+    let refused = |name: &str| {
+        let (path, place) = (plugin.path.clone(), format!("{}.{name}", node.id));
+        move |why| PluginError::Port { path, place, why }
+    };
     if node.fastener {
         t = fastener::standard_inputs(t);
-    }
-    for info in &node.inputs {
-        let refused =
-            |why| PluginError::Port { path: plugin.path.clone(), place: format!("{}.{}", node.id, info.name), why };
-        t = t.input(port(info).map_err(refused)?);
+        for info in fastener::own_inputs(node).map_err(refused("head"))? {
+            t = t.input(port(info).map_err(refused(&info.name))?);
+        }
+    } else {
+        for info in &node.inputs {
+            t = t.input(port(info).map_err(refused(&info.name))?);
+        }
     }
     let plugin = plugin.clone();
     if node.fastener {
@@ -175,27 +181,25 @@ pub(super) fn evaluate(
     let ended = node.evaluate(inputs, watch, sink);
     // It may have failed because it was cut short; whatever it says of that is not its own.
     stop::check();
-    let mut last = None;
-    for message in sink.messages.drain(..) {
-        let (severity, fail) = fail(message);
-        match severity {
-            // The last error of a node that failed is its failure.
-            TENON_ERROR => last.replace(fail).into_iter().for_each(|f| c.report(f)),
-            TENON_NOTE => c.note(fail),
-            _ => c.warn(fail),
+    let mut messages = std::mem::take(&mut sink.messages);
+    // The last error of a node that failed is its failure.
+    let last = match ended {
+        Err(EvaluateError::Failed) => messages.iter().rposition(|m| m.severity == TENON_ERROR),
+        _ => None,
+    };
+    let last = last.map(|i| fail(messages.remove(i)).1);
+    for message in messages {
+        match fail(message) {
+            (TENON_ERROR, fail) => c.report(fail),
+            (TENON_NOTE, fail) => c.note(fail),
+            (_, fail) => c.warn(fail),
         }
     }
     match ended {
-        Ok(()) => {
-            last.into_iter().for_each(|f| c.report(f));
-            Ok(())
-        }
+        Ok(()) => Ok(()),
         Err(EvaluateError::Cancelled) => Err(Fail::cancelled()),
         Err(EvaluateError::Failed) => Err(last.unwrap_or_else(|| fault(node, "it failed without saying why"))),
-        Err(EvaluateError::Fault(why)) => {
-            last.into_iter().for_each(|f| c.report(f));
-            Err(fault(node, &why))
-        }
+        Err(EvaluateError::Fault(why)) => Err(fault(node, &why)),
         Err(EvaluateError::Died(why)) => {
             Err(Fail::new("plugin-died", format!("the plugin node \"{}\" died: {why}", node.id))
                 .hint("the next evaluation starts it anew; `tenon plugin check` may find the fault"))
