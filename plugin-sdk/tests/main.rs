@@ -1,3 +1,4 @@
 //! The contract: its headers, and what crosses.
 
 mod headers;
+mod layout;
