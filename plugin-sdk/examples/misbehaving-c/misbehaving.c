@@ -30,7 +30,7 @@ static tenon_status give(const tenon_call *call, double y) { return give_as(call
     static tenon_status name(void *data, const tenon_call *call, const tenon_tree *in, uint32_t count)
 #define UNUSED (void)data, (void)call, (void)in, (void)count
 
-/* same-again, same-after-others, same-in-a-new-load, same-on-many-threads */
+/* same-again, same-after-others, same-in-another-instance, same-on-many-threads */
 EVALUATE(forgetful) {
     static double sum;
     UNUSED;
@@ -51,7 +51,7 @@ EVALUATE(silent) {
     UNUSED;
     return TENON_FAILED;
 }
-/* stops-at-once */
+/* stops-at-once, stops-midway */
 EVALUATE(deaf) {
     UNUSED;
     /* Only for its largest number, so that the other checks do not take long. */
@@ -166,6 +166,13 @@ EVALUATE(doomed) {
     while (x == 109) call->progress(call, 0.5);
     return give(call, x);
 }
+/* calls-from-its-own-thread */
+EVALUATE(straying) {
+    pthread_t thread;
+    UNUSED;
+    if (pthread_create(&thread, NULL, tell_elsewhere, (void *)(uintptr_t)call) == 0) pthread_join(thread, NULL);
+    return give(call, number(in));
+}
 #ifndef LOADABLE
 /* node-docs, port-docs, defaults-are-accepted: see its description */
 EVALUATE(hasty) {
@@ -209,6 +216,7 @@ static const tenon_node_type nodes[] = {
     {sizeof(tenon_node_type), TENON_PURE, TEXT("misbehaving.outdated"), 2, 1, inputs, outputs, 1, sizeof(tenon_port),
      TEXT("outdated"), TEXT("Misdeeds"), TEXT("Loses its older self."), TEXT("misdeed"), NULL, outdated, forgetting, 1, 0},
     TYPE(doomed, "Dies by some numbers.", boundless),
+    TYPE(straying, "Speaks through others.", inputs),
 #ifndef LOADABLE /* A graph's host refuses the whole library for its default. */
     TYPE(hasty, "no sentence", careless),
 #endif

@@ -2,6 +2,8 @@
 //! be run in a process of its own, since a plugin that is wrong may take its process along.
 
 mod descriptors;
+mod instance;
+mod old_nodes;
 mod runs;
 mod samples;
 mod wide;
