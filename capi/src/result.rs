@@ -40,18 +40,21 @@ pub(crate) struct Output {
 
 struct View {
     c: CTree<'static>,
-    _branches: Box<[Branch<'static>]>,
+    // Not a boxed slice: one that moves takes the rights of pointers into it along.
+    _branches: Vec<Branch<'static>>,
 }
 
 impl Output {
     fn view(&self) -> tenon_tree {
         let view = self.view.get_or_init(|| {
-            let borrowed: Box<[Branch<'_>]> = tenon_nodes::exchange::branches(&self.tree).into();
-            // SAFETY: what is borrowed lies in the tree's shared allocations, which neither move nor change, and the tree
-            // is kept beside the view until the view is gone.
-            let branches: Box<[Branch<'static>]> = unsafe { std::mem::transmute(borrowed) };
-            // SAFETY: the branches are in an allocation of their own, kept beside the view.
-            let slice: &'static [Branch<'static>] = unsafe { &*std::ptr::from_ref::<[Branch<'static>]>(&branches) };
+            let borrowed = tenon_nodes::exchange::branches(&self.tree);
+            // SAFETY: what is borrowed lies in the tree's shared allocations or, as a lone number does, in the tree itself.
+            // Neither changes nor moves: results stand behind an `Arc` before anybody can ask for a view, and the tree is
+            // kept beside the view until the view is gone.
+            let branches: Vec<Branch<'static>> = unsafe { std::mem::transmute::<Vec<Branch<'_>>, _>(borrowed) };
+            // SAFETY: the branches are in an allocation of their own, which does not move with the vector and is kept
+            // beside the view.
+            let slice: &'static [Branch<'static>] = unsafe { std::slice::from_raw_parts(branches.as_ptr(), branches.len()) };
             View { c: CTree::new(slice), _branches: branches }
         });
         view.c.get()
