@@ -65,6 +65,15 @@ typedef struct tenon_engine_config {
   uint32_t search;
   // 0.
   uint32_t flags;
+  // Absolute paths of folders whose plugins are loaded, before those of `search`, NUL-terminated UTF-8; those that are
+  // refused are left out, and graphs that need them say so. Since 1.1, as all that follows.
+  const char *const *folders;
+  // Number of `folders`.
+  uint64_t folder_count;
+  // Ids of plugins that run in processes of their own whatever a graph says, NUL-terminated UTF-8; `all`: each.
+  const char *const *isolate;
+  // Number of `isolate`.
+  uint64_t isolate_count;
 } tenon_engine_config;
 
 // What is called when arrays that a host shares are free again.
@@ -201,8 +210,10 @@ extern "C" {
 // minor only adds. [any thread]
 uint32_t tenon_version(void);
 
-// Makes an engine with every built-in node type and those of plugins. `config` may be NULL. Fails if an argument is
-// wrong or a plugin is refused. [any thread]
+// Makes an engine with every built-in node type and those of plugins. `config` may be NULL. All plugins are loaded here,
+// in this process unless `isolate` or the variable `TENON_PLUGIN_ISOLATION` says otherwise, so that their node types are
+// known; where they are evaluated each graph says. Fails if an argument is wrong or a plugin of `plugins` is refused.
+// [any thread]
 struct tenon_error *tenon_engine_new(const struct tenon_engine_config *config,
                                      struct tenon_engine **out);
 
@@ -252,8 +263,9 @@ struct tenon_error *tenon_graph_share(struct tenon_graph *graph,
                                       void *context);
 
 // Loads a graph from the `length` bytes of a `*.tenon.json` file. `folder` is where files that nodes name are looked
-// for; with NULL there are none. Node types that nobody knows are kept as they stand and are told by evaluation. Fails
-// if the text is no graph, with line and column, or requires plugins that are not there. [any thread]
+// for; with NULL there are none. What it requires of plugins holds for it: versions, processes of their own, limits. Nodes
+// that nobody knows or whose plugin is missing are kept as they stand, and evaluation tells what to install. Fails if the
+// text is no graph, with line and column. [any thread]
 struct tenon_error *tenon_graph_load(const struct tenon_engine *engine,
                                      const char *json,
                                      uint64_t length,
@@ -295,8 +307,10 @@ struct tenon_error *tenon_graph_disconnect(struct tenon_graph *graph,
                                            const char *node,
                                            const char *port);
 
-// Describes the interface as JSON: a list of objects with `name`, `doc`, `unit`, `ports` and, for inputs, `min`, `max`;
-// in order of their names. [any thread]
+// Describes the interface as JSON: a list of objects in order of their names, each with `name`, `ports` (`node.port`), `doc`,
+// `unit`, `type` and `access` ("item", "list", "tree"); inputs besides with `min`, `max`, `choices` (the texts accepted; none:
+// any), `default` and `value` (what is set, as a graph file says it). What the interface does not say is that of the first
+// port behind it. What is not known is null. [any thread]
 struct tenon_error *tenon_graph_interface(const struct tenon_graph *graph,
                                           tenon_side_of_graph side,
                                           struct tenon_text **out);

@@ -5,11 +5,10 @@ use crate::handle::{self, Object};
 use crate::read;
 use crate::text::{self, tenon_text};
 use ::tenon_engine::{Json, Registry, nearest};
-use std::collections::BTreeMap;
 use std::ffi::c_char;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tenon_nodes::plugin::{Found, Wanted, folders, load_all};
+use tenon_nodes::plugin::{Sources, folders};
 
 /// Node types and settings. Free it with `tenon_engine_free`; graphs that were loaded with it live on.
 pub struct tenon_engine {
@@ -18,8 +17,9 @@ pub struct tenon_engine {
 
 /// What a `tenon_engine` stands for.
 pub struct Engine {
-    pub(crate) registry: Arc<Registry>,
-    pub(crate) plugins: Found,
+    /// The node types for graphs that require nothing of plugins.
+    registry: Arc<Registry>,
+    pub(crate) plugins: Arc<Sources>,
     pub(crate) threads: usize,
     pub(crate) cache_bytes: usize,
 }
@@ -43,13 +43,24 @@ pub struct tenon_engine_config {
     pub search: u32,
     /// 0.
     pub flags: u32,
+    /// Absolute paths of folders whose plugins are loaded, before those of `search`, NUL-terminated UTF-8; those that are
+    /// refused are left out, and graphs that need them say so. Since 1.1, as all that follows.
+    pub folders: *const *const c_char,
+    /// Number of `folders`.
+    pub folder_count: u64,
+    /// Ids of plugins that run in processes of their own whatever a graph says, NUL-terminated UTF-8; `all`: each.
+    pub isolate: *const *const c_char,
+    /// Number of `isolate`.
+    pub isolate_count: u64,
 }
 
 // SAFETY: plain data, size first.
 unsafe impl read::Sized32 for tenon_engine_config {}
 
-/// Makes an engine with every built-in node type and those of plugins. `config` may be NULL. Fails if an argument is
-/// wrong or a plugin is refused. [any thread]
+/// Makes an engine with every built-in node type and those of plugins. `config` may be NULL. All plugins are loaded here,
+/// in this process unless `isolate` or the variable `TENON_PLUGIN_ISOLATION` says otherwise, so that their node types are
+/// known; where they are evaluated each graph says. Fails if an argument is wrong or a plugin of `plugins` is refused.
+/// [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_engine_new(
     config: *const tenon_engine_config,
@@ -65,27 +76,38 @@ pub unsafe extern "C" fn tenon_engine_new(
             plugin_count: 0,
             search: 0,
             flags: 0,
+            folders: std::ptr::null(),
+            folder_count: 0,
+            isolate: std::ptr::null(),
+            isolate_count: 0,
         };
         // SAFETY: the header asks for NULL or a struct of that size.
         let config = unsafe { read::options(config, default, "config")? };
         if config.threads > 1024 {
             return Err(Failure::argument(format!("{} threads are asked for; 1024 is the most", config.threads)));
         }
-        let mut named = Vec::new();
-        // SAFETY: the header asks for so many NUL-terminated strings.
-        for path in unsafe { read::texts(config.plugins, config.plugin_count, "plugins")? } {
-            named.push(PathBuf::from(path));
+        // SAFETY: the header asks for so many NUL-terminated strings each.
+        let [named, inside, apart] = unsafe {
+            [
+                read::texts(config.plugins, config.plugin_count, "plugins")?,
+                read::texts(config.folders, config.folder_count, "folders")?,
+                read::texts(config.isolate, config.isolate_count, "isolate")?,
+            ]
+        };
+        if let Some(relative) = inside.iter().find(|folder| !Path::new(folder).is_absolute()) {
+            return Err(Failure::argument(format!("the folder {relative} is not an absolute path")));
         }
-        let mut registry = tenon_nodes::registry();
-        let folders = if config.search == 0 { Vec::new() } else { folders() };
-        // Which plugins run apart is the policy's to say: graphs come later.
-        let wanted = Wanted::new(&BTreeMap::new(), &[]);
-        let plugins =
-            load_all(&mut registry, &named, &folders, &wanted).map_err(|e| Failure::argument(e.to_string()))?;
+        let searched = if config.search == 0 { Vec::new() } else { folders() };
+        let plugins = Sources::new(
+            named.into_iter().map(PathBuf::from).collect(),
+            inside.into_iter().map(PathBuf::from).chain(searched).collect(),
+            apart.into_iter().map(str::to_owned).collect(),
+        );
+        let registry = plugins.plain().map_err(|e| Failure::argument(e.to_string()))?;
         let cache_bytes = if config.cache_bytes == 0 { 1 << 30 } else { config.cache_bytes };
         let engine = Engine {
-            registry: Arc::new(registry),
-            plugins,
+            registry,
+            plugins: plugins.into(),
             threads: config.threads as usize,
             cache_bytes: usize::try_from(cache_bytes).unwrap_or(usize::MAX),
         };

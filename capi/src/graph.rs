@@ -13,7 +13,6 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use tenon_nodes::plugin::Wanted;
 
 /// One graph being worked on. Free it with `tenon_graph_free`. Any thread may call with it. Evaluations of one graph run
 /// one after another, each of the graph as it was when it was asked for; setting, editing and saving never wait for them.
@@ -31,8 +30,8 @@ pub struct Graph {
 }
 
 /// The graph as it stands, and what the session has not seen of it yet.
-struct Front {
-    draft: Draft,
+pub(crate) struct Front {
+    pub(crate) draft: Draft,
     changes: Vec<Change>,
 }
 
@@ -74,8 +73,9 @@ impl Graph {
             ..Options::default()
         };
         let host = options.host.clone();
-        let session = Session::new(engine.registry.clone(), document, options);
-        let draft = Draft::new(engine.registry.clone(), host, session.document().clone());
+        let registry = engine.plugins.registry(&document.requires);
+        let session = Session::new(registry.clone(), document, options);
+        let draft = Draft::new(registry, host, session.document().clone());
         Self {
             draft: Front { draft, changes: Vec::new() }.into(),
             session: session.into(),
@@ -84,7 +84,7 @@ impl Graph {
         }
     }
 
-    fn front(&self) -> MutexGuard<'_, Front> {
+    pub(crate) fn front(&self) -> MutexGuard<'_, Front> {
         self.draft.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -154,8 +154,9 @@ impl Change {
 }
 
 /// Loads a graph from the `length` bytes of a `*.tenon.json` file. `folder` is where files that nodes name are looked
-/// for; with NULL there are none. Node types that nobody knows are kept as they stand and are told by evaluation. Fails
-/// if the text is no graph, with line and column, or requires plugins that are not there. [any thread]
+/// for; with NULL there are none. What it requires of plugins holds for it: versions, processes of their own, limits. Nodes
+/// that nobody knows or whose plugin is missing are kept as they stand, and evaluation tells what to install. Fails if the
+/// text is no graph, with line and column. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_graph_load(
     engine: *const tenon_engine,
@@ -176,11 +177,6 @@ pub unsafe extern "C" fn tenon_graph_load(
             Some(PathBuf::from(unsafe { read::text(folder, "folder")? }))
         };
         let document = Document::from_slice(json).map_err(|d| Failure::of(&d))?;
-        let missing = engine.plugins.missing(&Wanted::new(&document.requires, &[]));
-        let missing: Vec<_> = missing.into_iter().map(|(_, why)| why).collect();
-        if !missing.is_empty() {
-            return Err(Failure::of(&missing));
-        }
         let graph = Graph::new(&engine, document, folder);
         // SAFETY: not NULL and aligned; the caller vouches that a pointer can be written there.
         unsafe { out.write(handle::give(Object::Graph(graph.into()))) };
@@ -311,49 +307,5 @@ pub unsafe extern "C" fn tenon_graph_disconnect(
         let [from, node, port] =
             unsafe { [read::text(from, "from")?, read::text(node, "node")?, read::text(port, "port")?] };
         graph.edit(Operation::Disconnect { node: node.into(), port: port.into(), from: from.into() })
-    })
-}
-
-/// What an interface lists: its inputs or its outputs.
-pub type tenon_side_of_graph = u32;
-/// Inputs.
-pub const TENON_INPUTS: tenon_side_of_graph = 0;
-/// Outputs.
-pub const TENON_OUTPUTS: tenon_side_of_graph = 1;
-
-/// Describes the interface as JSON: a list of objects with `name`, `doc`, `unit`, `ports` and, for inputs, `min`, `max`;
-/// in order of their names. [any thread]
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn tenon_graph_interface(
-    graph: *const tenon_graph,
-    side: tenon_side_of_graph,
-    out: *mut *mut tenon_text,
-) -> *mut tenon_error {
-    guard(|| {
-        let out = read::place(out, "out")?;
-        let graph = handle::graph(graph)?;
-        let front = graph.front();
-        let document = front.draft.document();
-        let list: Json = match side {
-            TENON_INPUTS => document
-                .inputs
-                .iter()
-                .map(|(name, i)| {
-                    serde_json::json!({ "name": name, "doc": i.doc, "unit": i.unit, "ports": i.ports,
-                                        "min": i.min, "max": i.max })
-                })
-                .collect(),
-            TENON_OUTPUTS => document
-                .outputs
-                .iter()
-                .map(|(name, o)| serde_json::json!({ "name": name, "doc": o.doc, "unit": o.unit, "ports": [o.port] }))
-                .collect(),
-            other => {
-                return Err(Failure::argument(format!("side is {other}; there are TENON_INPUTS and TENON_OUTPUTS")));
-            }
-        };
-        // SAFETY: not NULL and aligned; the caller vouches that a pointer can be written there.
-        unsafe { out.write(text::give(list.to_string())) };
-        Ok(())
     })
 }

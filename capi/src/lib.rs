@@ -10,6 +10,7 @@ mod error;
 mod give;
 mod graph;
 mod handle;
+mod interface;
 mod job;
 mod preview;
 mod read;
@@ -22,6 +23,7 @@ pub use engine::*;
 pub use error::*;
 pub use give::*;
 pub use graph::*;
+pub use interface::*;
 pub use job::*;
 pub use preview::*;
 pub use result::*;
@@ -32,5 +34,5 @@ pub use text::*;
 /// minor only adds. [any thread]
 #[unsafe(no_mangle)]
 pub extern "C" fn tenon_version() -> u32 {
-    1 << 16
+    (1 << 16) | 1
 }

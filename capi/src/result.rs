@@ -54,7 +54,8 @@ impl Output {
             let branches: Vec<Branch<'static>> = unsafe { std::mem::transmute::<Vec<Branch<'_>>, _>(borrowed) };
             // SAFETY: the branches are in an allocation of their own, which does not move with the vector and is kept
             // beside the view.
-            let slice: &'static [Branch<'static>] = unsafe { std::slice::from_raw_parts(branches.as_ptr(), branches.len()) };
+            let slice: &'static [Branch<'static>] =
+                unsafe { std::slice::from_raw_parts(branches.as_ptr(), branches.len()) };
             View { c: CTree::new(slice), _branches: branches }
         });
         view.c.get()

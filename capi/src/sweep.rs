@@ -39,7 +39,7 @@ pub unsafe extern "C" fn tenon_sweep_new(engine: *const tenon_engine, out: *mut 
     guard(|| {
         let out = read::place(out, "out")?;
         let engine = handle::engine(engine)?;
-        let bench = Bench::new(engine.registry.clone(), engine.threads, engine.cache_bytes, None);
+        let bench = Bench::new(engine.plugins.clone(), engine.threads, engine.cache_bytes, None);
         // SAFETY: not NULL and aligned; the caller vouches that a pointer can be written there.
         unsafe { out.write(handle::give(Object::Sweep(Sweep(bench.into()).into()))) };
         Ok(())

@@ -1,8 +1,10 @@
 //! Hosts in C and C++ against the library that was just built, plain, under AddressSanitizer and under valgrind. Each checks
 //! everything itself.
 
+use std::env::consts::{DLL_EXTENSION, EXE_EXTENSION};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::Once;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
@@ -43,9 +45,50 @@ fn compile(source: &str, extra: &[&str]) -> PathBuf {
     program
 }
 
+/// Compiles an example of a plugin in C.
+#[track_caller]
+fn plugin(source: &str, library: &Path, extra: &[&str]) {
+    let done = Command::new("cc")
+        .args(["-std=c11", "-shared", "-fPIC", "-pthread"])
+        .args(extra)
+        .arg("-I")
+        .arg(root().join("plugin-sdk/include"))
+        .arg(root().join("plugin-sdk/examples").join(source))
+        .arg("-o")
+        .arg(library)
+        .arg("-lm")
+        .output()
+        .unwrap();
+    assert!(done.status.success(), "{source}: {}", String::from_utf8_lossy(&done.stderr));
+}
+
+/// The plugins that a host looks for, and the program that runs them in processes of their own.
+fn prepare(command: &mut Command) {
+    static MADE: Once = Once::new();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("host-plugins");
+    let [hinges, doomed] = ["hinges/hinges", "doomed"].map(|n| folder.join(n).with_extension(DLL_EXTENSION));
+    // Beside the library that is tested.
+    let place = library();
+    let place = place.ancestors().take(2).find(|f| f.ends_with("debug") || f.ends_with("release")).unwrap().to_owned();
+    MADE.call_once(|| {
+        std::fs::create_dir_all(folder.join("hinges")).unwrap();
+        plugin("fastener-c/hinge.c", &hinges, &[]);
+        plugin("misbehaving-c/misbehaving.c", &doomed, &["-DLOADABLE"]);
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args(["build", "--quiet", "-p", "tenon", "--target-dir"]).arg(place.parent().unwrap());
+        cargo.args(place.ends_with("release").then_some("--release"));
+        assert!(cargo.current_dir(root()).status().unwrap().success());
+    });
+    command.env("HINGES", hinges).env("DOOMED", doomed).env("FOLDER", folder.join("hinges"));
+    command.env("TENON_PLUGIN_HOST", place.join("tenon").with_extension(EXE_EXTENSION));
+    // What the user's own folders hold is of no matter here.
+    command.env_remove("TENON_PLUGIN_PATH").env_remove("TENON_PLUGIN_ISOLATION");
+}
+
 /// Runs a host on the graph of 256 panels; it checks everything itself and gives 0 when all is well.
 #[track_caller]
 fn run(mut command: Command) -> String {
+    prepare(&mut command);
     // cargo names a folder before this one in which an older library may lie, and that goes before what is linked.
     command.env("LD_LIBRARY_PATH", library());
     let done = command.arg(root().join("graphs/shell-256/shell-256.tenon.json")).output().unwrap();
@@ -77,7 +120,12 @@ fn values_go_in_and_out_without_a_copy() {
     assert!(out.contains("for 256 panels"), "{out}");
 }
 
-const HOSTS: [&str; 4] = ["host.c", "host.cpp", "jobs.c", "values.c"];
+#[test]
+fn plugins_are_as_each_graph_requires_them() {
+    assert!(run(Command::new(compile("plugins.c", &[]))).contains("where they should be"));
+}
+
+const HOSTS: [&str; 5] = ["host.c", "host.cpp", "jobs.c", "plugins.c", "values.c"];
 
 #[test]
 fn all_hosts_are_clean_under_address_sanitizer() {

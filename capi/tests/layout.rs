@@ -1,6 +1,7 @@
 //! Where every field of every struct of `tenon.h` lies: a change breaks hosts that were built.
 //! `TENON_WRITE_HEADERS=1 cargo test -p tenon-capi` writes the snapshot anew; only lines at a struct's end may be new.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
@@ -43,4 +44,30 @@ fn structs_lie_as_they_did() {
     }
     let there = std::fs::read_to_string(&place).unwrap_or_default();
     assert!(there == out, "{} is not what the header says:\n{out}", place.display());
+}
+
+/// Every field of version 1.0 lies where it lay, and structs only grew. That file is never written anew.
+#[test]
+fn later_versions_only_grow() {
+    let read = |name: &str| {
+        let place = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(name);
+        std::fs::read_to_string(&place).unwrap()
+    };
+    let fields = |text: &str| {
+        let (mut all, mut name) = (BTreeMap::new(), String::new());
+        for line in text.lines() {
+            let (what, number) = line.trim().split_once(' ').unwrap();
+            if !line.starts_with(' ') {
+                name = what.to_owned();
+            }
+            all.insert((name.clone(), line.starts_with(' ').then(|| what.to_owned())), number.parse::<u64>().unwrap());
+        }
+        all
+    };
+    let (first, today) = (fields(&read("layout-1.0-x86_64-linux.txt")), fields(&read("layout-x86_64-linux.txt")));
+    assert_eq!(first.len(), 57);
+    for ((name, field), was) in first {
+        let is = today[&(name.clone(), field.clone())];
+        assert!(if field.is_some() { is == was } else { is >= was }, "{name} {field:?}: {was} became {is}");
+    }
 }

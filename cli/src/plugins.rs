@@ -6,9 +6,9 @@ use crate::words::{Wrong, print, print_json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use tenon_engine::{Document, Json, Registry};
-use tenon_nodes::plugin::{Found, Plugin, PluginError, Wanted, apart, folders, load_all, user_folder};
+use tenon_nodes::plugin::{Found, Plugin, PluginError, Sources, Wanted, apart, folders, load_all, user_folder};
 
 /// The libraries given by `--plugin`, and the ids given by `--isolate`.
 static NAMED: OnceLock<(Vec<PathBuf>, Vec<String>)> = OnceLock::new();
@@ -34,6 +34,13 @@ pub fn registry() -> Result<Registry, Wrong> {
 /// The same for a graph: what it requires and is not there is told when it is evaluated.
 pub fn registry_for(document: &Document) -> Result<Registry, Wrong> {
     registry_of(&document.requires)
+}
+
+/// The same for commands that work on many graphs. What is refused is told here, once.
+pub fn sources() -> Result<Arc<Sources>, Wrong> {
+    registry()?;
+    let (named, isolated) = NAMED.get().cloned().unwrap_or_default();
+    Ok(Arc::new(Sources::new(named, folders(), isolated)))
 }
 
 fn registry_of(requires: &BTreeMap<String, Json>) -> Result<Registry, Wrong> {

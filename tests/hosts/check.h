@@ -42,6 +42,21 @@ static inline void refused(tenon_error *error, tenon_status status, const char *
     tenon_error_free(error); /* a second time does nothing */
 }
 
+/* A text that the library made must hold `part`; frees it. */
+static inline void says(tenon_text *text, const char *part) {
+    tenon_str given = tenon_text_get(text);
+    char *copy = malloc((size_t)given.len + 1);
+    CHECK(copy != NULL);
+    memcpy(copy, given.ptr, (size_t)given.len);
+    copy[given.len] = 0;
+    if (strstr(copy, part) == NULL) {
+        fprintf(stderr, "\"%.2000s\" does not say \"%s\"\n", copy, part);
+        exit(1);
+    }
+    free(copy);
+    tenon_text_free(text);
+}
+
 static inline char *read_all(const char *path, uint64_t *length) {
     FILE *file = fopen(path, "rb");
     CHECK(file != NULL);

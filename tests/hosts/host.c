@@ -16,7 +16,7 @@ static int32_t stop(void *context, double fraction, tenon_str node) {
 
 int main(int argc, char **argv) {
     CHECK(argc == 2);
-    CHECK(tenon_version() >> 16 == 1);
+    CHECK(tenon_version() >> 16 == 1 && (tenon_version() & 0xffff) >= 1);
     uint64_t length;
     char *json = read_all(argv[1], &length);
     tenon_engine_config config = {.size = sizeof config, .threads = 2};
@@ -24,6 +24,21 @@ int main(int argc, char **argv) {
     must(tenon_engine_new(&config, &engine));
     tenon_graph *graph;
     must(tenon_graph_load(engine, json, length, NULL, &graph));
+
+    /* What there is to set and to ask for. */
+    tenon_text *text_of;
+    must(tenon_engine_describe(engine, "thicken", &text_of));
+    says(text_of, "\"type\":\"thicken\"");
+    refused(tenon_engine_describe(engine, "thiken", &text_of), TENON_BAD_ARGUMENT, "did you mean \"thicken\"");
+    must(tenon_engine_describe(engine, NULL, &text_of));
+    says(text_of, "\"type\":\"vector_sum\"");
+    must(tenon_graph_interface(graph, TENON_INPUTS, &text_of));
+    says(text_of, "\"name\":\"thickness\"");
+    must(tenon_graph_interface(graph, TENON_INPUTS, &text_of));
+    says(text_of, "\"type\":\"number\",\"access\":\"item\",\"min\":4.0,\"max\":30.0,\"choices\":[],\"default\":");
+    must(tenon_graph_interface(graph, TENON_OUTPUTS, &text_of));
+    says(text_of, "\"type\":\"panels\",\"access\":\"item\"");
+    refused(tenon_graph_interface(graph, 2, &text_of), TENON_BAD_ARGUMENT, "TENON_OUTPUTS");
 
     /* Evaluate, and read the panels. */
     const char *wanted[] = {"panels", "net_area"};
@@ -40,6 +55,25 @@ int main(int argc, char **argv) {
     tenon_tree area = {.size = sizeof area};
     must(tenon_result_output(first, "net_area", &area));
     CHECK(area.branches[0].column.kind == TENON_NUMBER && *(const double *)area.branches[0].column.items > 1e6);
+    must(tenon_result_json(first, "net_area", &text_of));
+    says(text_of, "\"number\"");
+    refused(tenon_result_json(first, "boards", &text_of), TENON_BAD_ARGUMENT, "not asked for");
+
+    /* Where the time went, and the memory. */
+    uint64_t nodes = tenon_result_node_count(first), time = 0, largest = 0;
+    CHECK(nodes > 5);
+    for (uint64_t i = 0; i < nodes; i++) {
+        tenon_node_report node = {.size = sizeof node};
+        must(tenon_result_node(first, i, &node));
+        CHECK(node.node.len > 0 && node.type_name.len > 0);
+        CHECK(node.happened.len == 8 && memcmp(node.happened.ptr, "executed", 8) == 0);
+        time += node.nanoseconds;
+        largest = node.bytes > largest ? node.bytes : largest;
+    }
+    CHECK(time > 1000 && time < UINT64_C(600000000000));
+    CHECK(largest >= panels->corner_count * 3 * sizeof(tenon_vec3));
+    tenon_node_report none = {.size = sizeof none};
+    refused(tenon_result_node(first, nodes, &none), TENON_BAD_ARGUMENT, "node");
     printf("%d panels, highest point at %.1f mm\n", (int)panels->panel_count, highest(panels));
 
     /* Move a control point: what was read before stays as it was. */
@@ -84,6 +118,13 @@ int main(int argc, char **argv) {
     must(tenon_graph_evaluate(graph, doubled, 1, NULL, &again));
     CHECK(tenon_result_status(again) == TENON_OK);
     must(tenon_result_output(again, "doubled.value", &tree));
+    tenon_result_free(again);
+    must(tenon_graph_disconnect(graph, "thicken.area", "doubled", "x"));
+    refused(tenon_graph_disconnect(graph, "thicken.area", "doubled", "x"), TENON_FAILED, "doubled");
+    must(tenon_graph_set(graph, "doubled.x", "21"));
+    must(tenon_graph_evaluate(graph, doubled, 1, NULL, &again));
+    must(tenon_result_output(again, "doubled.value", &tree));
+    CHECK(*(const double *)tree.branches[0].column.items == 42.0);
     tenon_result_free(again);
     must(tenon_graph_remove_node(graph, "doubled"));
 

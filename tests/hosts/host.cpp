@@ -18,6 +18,7 @@ struct Free {
     void operator()(tenon_engine *h) const { tenon_engine_free(h); }
     void operator()(tenon_graph *h) const { tenon_graph_free(h); }
     void operator()(tenon_result *h) const { tenon_result_free(h); }
+    void operator()(tenon_text *h) const { tenon_text_free(h); }
 };
 template <class T> using Owned = std::unique_ptr<T, Free>;
 
@@ -39,6 +40,12 @@ class Graph {
     }
     void set(const char *name, double value) { must(tenon_graph_set_number(handle.get(), name, value)); }
     void set(const char *name, const std::string &json) { must(tenon_graph_set(handle.get(), name, json.c_str())); }
+    std::string interface(tenon_side_of_graph side) const {
+        tenon_text *text = nullptr;
+        must(tenon_graph_interface(handle.get(), side, &text));
+        Owned<tenon_text> owned(text);
+        return std::string(view(tenon_text_get(owned.get())));
+    }
     Owned<tenon_result> evaluate(const std::vector<const char *> &outputs) {
         tenon_result *result = nullptr;
         must(tenon_graph_evaluate(handle.get(), outputs.data(), outputs.size(), nullptr, &result));
@@ -89,6 +96,10 @@ int main(int argc, char **argv) try {
         tenon::Graph graph(engine, json);
         auto result = graph.evaluate({"panels"});
         std::cout << tenon::item<tenon_panels>(result, "panels", TENON_PANELS).panel_count << " panels\n";
+
+        // The interface tells what a dialog needs.
+        check(graph.interface(TENON_INPUTS).find("\"min\":4.0,\"max\":30.0") != std::string::npos, "ranges of inputs");
+        check(graph.interface(TENON_OUTPUTS).find("\"type\":\"panels\"") != std::string::npos, "types of outputs");
 
         // A node that fails says where and why; no exception is lost on the way.
         graph.set("fold_1.x", std::string("1e300"));

@@ -108,9 +108,9 @@ fn evaluate(
     let store = cache::store(&args.cache);
     let told: Mutex<Vec<Diagnostic>> = Mutex::default();
     let total = (before + rows.len()) as f64;
-    let registry = Arc::new(crate::plugins::registry()?);
+    let plugins = crate::plugins::sources()?;
     let work = || {
-        let mut bench = Bench::new(registry.clone(), threads.max(1), crate::run::CACHE / jobs, store.clone());
+        let mut bench = Bench::new(plugins.clone(), threads.max(1), crate::run::CACHE / jobs, store.clone());
         while !cancel.load(Ordering::Relaxed) {
             if first_fault.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
                 return;

@@ -39,7 +39,7 @@ fn run_row(args: &SweepRowArgs) -> Result<End, Wrong> {
     output::prepare_folder(&args.out)?;
     let _lock = Lock::shared(&args.out)?;
     let mut bench = Bench::new(
-        crate::plugins::registry()?.into(),
+        crate::plugins::sources()?,
         args.threads.into(),
         crate::run::CACHE,
         cache::store(&args.cache),

@@ -5,6 +5,7 @@
 use super::graph::{self, GraphError};
 use super::made::{self, Made};
 use super::output::{self, Staged, WriteError};
+use crate::plugin::Sources;
 use std::collections::{HashMap, HashSet};
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use tenon_engine::sweep::{Row, RowEvaluator, seal, unseal};
-use tenon_engine::{Control, Diagnostic, Host, Json, Options, Registry, Severity, Store, digest_bytes};
+use tenon_engine::{Control, Diagnostic, Host, Json, Options, Severity, Store, digest_bytes};
 
 /// Name of the file that says what a row came to.
 const RESULT: &str = "result.json";
@@ -97,7 +98,7 @@ impl SweepError {
 
 /// A session that evaluates row after row, so that what rows have in common is computed once.
 pub struct Bench {
-    registry: Arc<Registry>,
+    plugins: Arc<Sources>,
     threads: usize,
     cache_bytes: usize,
     store: Option<Arc<dyn Store>>,
@@ -115,11 +116,12 @@ pub struct RowResult {
 }
 
 impl Bench {
-    /// A session of so many threads (0: all there are) and so much memory for results, bytes.
+    /// A session of so many threads (0: all there are) and so much memory for results, bytes. `plugins`: besides the
+    /// built-in node types, as each graph requires them.
     /// `store`: where results outlive it.
     #[must_use]
-    pub fn new(registry: Arc<Registry>, threads: usize, cache_bytes: usize, store: Option<Arc<dyn Store>>) -> Self {
-        Self { registry, threads, cache_bytes, store, loaded: None }
+    pub fn new(plugins: Arc<Sources>, threads: usize, cache_bytes: usize, store: Option<Arc<dyn Store>>) -> Self {
+        Self { plugins, threads, cache_bytes, store, loaded: None }
     }
 
     fn options(&self, host: Arc<dyn Host>) -> Options {
@@ -138,7 +140,8 @@ impl Bench {
                 let (_, document) = graph::load(&planned.graph)?;
                 let host = Arc::new(graph::Files::new(&planned.graph, HashSet::new()));
                 let options = self.options(host);
-                let evaluator = RowEvaluator::new(self.registry.clone(), document, options);
+                let registry = self.plugins.registry(&document.requires);
+                let evaluator = RowEvaluator::new(registry, document, options);
                 self.loaded.insert((planned.graph.clone(), evaluator))
             }
         };

@@ -3,9 +3,11 @@
 pub(crate) mod fastener;
 mod node;
 mod search;
+mod sources;
 mod wanted;
 
 pub use search::{Found, VARIABLE, folders, load_all, user_folder};
+pub use sources::Sources;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};

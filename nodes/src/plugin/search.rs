@@ -61,17 +61,16 @@ pub fn load_all(
             found.load(registry, path, wanted)?;
         }
     }
-    for path in folders.iter().flat_map(|folder| libraries(folder)) {
-        if !found.has(&path)
-            && let Err(why) = found.load(registry, &path, wanted)
-        {
-            found.refused.push(why);
-        }
-    }
-    for diagnostic in found.missing(wanted) {
-        registry.register_absent(diagnostic.0, diagnostic.1);
-    }
+    found.search(registry, folders.iter().flat_map(|folder| libraries(folder)), wanted);
     Ok(found)
+}
+
+/// The same where named libraries that are refused are only told, too.
+pub(super) fn load_willing(registry: &mut Registry, named: &[PathBuf], folders: &[PathBuf], wanted: &Wanted) -> Found {
+    let mut found = Found::default();
+    let libraries = folders.iter().flat_map(|folder| libraries(folder));
+    found.search(registry, named.iter().cloned().chain(libraries), wanted);
+    found
 }
 
 /// The libraries in a folder, by name; none if it cannot be read.
@@ -86,6 +85,20 @@ fn libraries(folder: &Path) -> Vec<PathBuf> {
 impl Found {
     fn has(&self, path: &Path) -> bool {
         path.canonicalize().is_ok_and(|path| self.plugins.iter().chain(&self.unfit).any(|p| p.path == path))
+    }
+
+    /// Loads what lies at these paths and lets the registry tell what is missing then.
+    fn search(&mut self, registry: &mut Registry, paths: impl Iterator<Item = PathBuf>, wanted: &Wanted) {
+        for path in paths {
+            if !self.has(&path)
+                && let Err(why) = self.load(registry, &path, wanted)
+            {
+                self.refused.push(why);
+            }
+        }
+        for (id, why) in self.missing(wanted) {
+            registry.register_absent(id, why);
+        }
     }
 
     fn load(&mut self, registry: &mut Registry, path: &Path, wanted: &Wanted) -> Result<(), PluginError> {
