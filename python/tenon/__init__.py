@@ -12,9 +12,9 @@ they belong to stays alive as long as they do.
 from __future__ import annotations
 
 from ._graph import Diagnostic, Engine, Graph, Job, NodeReport, Result, TenonError, handle_count, version
-from ._values import Curve, Feature, Features, File, Mesh, Panels, Preview, Value
+from ._values import Curve, Feature, Features, File, Mesh, Opaque, Panels, Planes, Preview, Table, Value, Vectors
 
 __all__ = [
-    "Curve", "Diagnostic", "Engine", "Feature", "Features", "File", "Graph", "Job", "Mesh", "NodeReport", "Panels", "Preview",
-    "Result", "TenonError", "Value", "handle_count", "version",
+    "Curve", "Diagnostic", "Engine", "Feature", "Features", "File", "Graph", "Job", "Mesh", "NodeReport", "Opaque", "Panels",
+    "Planes", "Preview", "Result", "Table", "TenonError", "Value", "Vectors", "handle_count", "version",
 ]

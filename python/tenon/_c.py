@@ -86,6 +86,20 @@ class Panels(c.Structure):
     ]
 
 
+class Attribute(c.Structure):
+    _fields_ = [("name", Str), ("column", Column)]
+
+
+class Table(c.Structure):
+    _fields_ = [
+        ("size", c.c_uint32),
+        ("attribute_stride", c.c_uint32),
+        ("row_count", c.c_uint64),
+        ("attributes", c.c_void_p),
+        ("attribute_count", c.c_uint64),
+    ]
+
+
 class Vec3(c.Structure):
     _fields_ = [("x", c.c_double), ("y", c.c_double), ("z", c.c_double)]
 
@@ -138,6 +152,10 @@ class Config(c.Structure):
         ("plugin_count", c.c_uint64),
         ("search", c.c_uint32),
         ("flags", c.c_uint32),
+        ("folders", c.POINTER(c.c_char_p)),
+        ("folder_count", c.c_uint64),
+        ("isolate", c.POINTER(c.c_char_p)),
+        ("isolate_count", c.c_uint64),
     ]
 
 

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import ctypes as c
-from typing import Any, List, Mapping, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple
 
 import numpy as np
 
 from . import _c
-from ._values import Curve, Mesh
+from ._values import Curve, Mesh, Panels, Planes, Table, Vectors
 
-BOOLEAN, INTEGER, NUMBER, TEXT, POINT, VECTOR, CURVE, MESH = 1, 2, 3, 4, 5, 6, 8, 9
+BOOLEAN, INTEGER, NUMBER, TEXT, POINT, VECTOR, PLANE, CURVE, MESH, PANELS, TABLE = 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 14
+
+# The arrays of a panel set and their numbers.
+PANEL_ARRAYS = {
+    "corner_start": "u4", "address": "u4", "normal": "f8", "front": "f8", "vertex": "u4", "chamfer": "f8", "neighbour": "u4",
+    "side": "u1", "back_start": "f8", "back_end": "f8", "voided": "u1",
+}
 
 
 def _address(array: "np.ndarray[Any, Any]") -> int:
@@ -56,26 +62,83 @@ def _curve(curve: Curve, keep: List[Any]) -> _c.Curve:
     return _c.Curve(size=c.sizeof(_c.Curve), closed=int(curve.closed), points=_address(points), point_count=len(points))
 
 
-def column(value: Any, keep: List[Any]) -> _c.Column:
-    """A column: an array of numbers or of points (n × 3), a mesh, a curve, a text, or a list of one of these."""
-    if isinstance(value, str):
-        value = [value]
-    if isinstance(value, (Mesh, Curve)) or hasattr(value, "to_vertices_and_faces"):
-        value = [value]
-    if isinstance(value, (list, tuple)) and value and isinstance(value[0], str):
-        texts = [text.encode() for text in value]
-        keep.append(texts)
-        buffers = [c.create_string_buffer(text, len(text) + 1) for text in texts]
-        keep.append(buffers)
-        strs = [_c.Str(ptr=c.addressof(b), len=len(text)) for b, text in zip(buffers, texts)]
-        return _structs(TEXT, strs, keep)
-    if isinstance(value, (list, tuple)) and value and isinstance(value[0], Curve):
-        return _structs(CURVE, [_curve(one, keep) for one in value], keep)
-    if isinstance(value, (list, tuple)) and value and (
-        isinstance(value[0], Mesh) or hasattr(value[0], "to_vertices_and_faces")
-    ):
-        return _structs(MESH, [_mesh(one, keep) for one in value], keep)
-    array = np.asarray(value)
+def _panels(panels: Panels, keep: List[Any]) -> _c.Panels:
+    made = _c.Panels(size=c.sizeof(_c.Panels), thickness=panels.thickness)
+    made.panel_count, made.corner_count = len(panels), len(panels.front)
+    for name, dtype in PANEL_ARRAYS.items():
+        array = np.ascontiguousarray(getattr(panels, name), dtype)
+        keep.append(array)
+        setattr(made, name, _address(array) if array.size else None)
+    return made
+
+
+def _table(table: Table, keep: List[Any]) -> _c.Table:
+    names = {name: name.encode() for name in table.attributes}
+    keep.append(names)
+    attributes = [
+        _c.Attribute(name=_text(names[name], keep), column=column(items, keep)) for name, items in table.attributes.items()
+    ]
+    array = (_c.Attribute * len(attributes))(*attributes)
+    keep.append(array)
+    made = _c.Table(size=c.sizeof(_c.Table), attribute_stride=c.sizeof(_c.Attribute), row_count=table.rows)
+    made.attributes, made.attribute_count = (c.addressof(array) if attributes else None), len(attributes)
+    return made
+
+
+def _text(data: bytes, keep: List[Any]) -> _c.Str:
+    buffer = c.create_string_buffer(data, len(data) + 1)
+    keep.append(buffer)
+    return _c.Str(ptr=c.addressof(buffer), len=len(data))
+
+
+# What is a struct in C: its kind and how it is made.
+STRUCTS: Dict[str, Tuple[int, Callable[[Any, List[Any]], Any]]] = {
+    "text": (TEXT, lambda text, keep: _text(text.encode(), keep)),
+    "curve": (CURVE, _curve),
+    "mesh": (MESH, _mesh),
+    "panels": (PANELS, _panels),
+    "table": (TABLE, _table),
+}
+
+
+def _type(item: Any) -> str:
+    """The type of one item, as graphs call it; numbers, integers and points go together."""
+    for kind, name in ((str, "text"), (Curve, "curve"), (Mesh, "mesh"), (Panels, "panels"), (Table, "table")):
+        if isinstance(item, kind):
+            return name
+    if hasattr(item, "to_vertices_and_faces"):
+        return "mesh"
+    if isinstance(item, (bool, np.bool_)):
+        return "boolean"
+    return "point" if np.ndim(item) else "number"
+
+
+def _list(items: Sequence[Any], keep: List[Any]) -> _c.Column:
+    """Items of one type; None is a gap."""
+    there = [item for item in items if item is not None]
+    if items and not there:
+        raise TypeError("a list of nothing but gaps has no type")
+    first = _type(there[0]) if there else "number"
+    for i, item in enumerate(items):
+        if item is not None and _type(item) != first:
+            raise TypeError(
+                f"item {i} is a {_type(item)} in a list that begins with a {first}: the items of a list are of one type"
+            )
+    # What stands in a gap has to be sound, and is not looked at.
+    filled = [there[0] if item is None else item for item in items]
+    if first in STRUCTS:
+        kind, make = STRUCTS[first]
+        made = _structs(kind, [make(item, keep) for item in filled], keep)
+    else:
+        made = _array(np.asarray(filled), keep)
+    if len(there) < len(items):
+        valid = np.array([item is not None for item in items], "u1")
+        keep.append(valid)
+        made.valid = _address(valid)
+    return made
+
+
+def _array(array: "np.ndarray[Any, Any]", keep: List[Any]) -> _c.Column:
     if array.ndim == 2 and array.shape[1] == 3 and array.dtype.kind in "fiu":
         return _plain(POINT, np.ascontiguousarray(array, "f8"), 24, keep)
     if array.ndim <= 1 and array.dtype.kind in "fiub":
@@ -86,8 +149,23 @@ def column(value: Any, keep: List[Any]) -> _c.Column:
             return _plain(NUMBER, np.ascontiguousarray(array, "f8"), 8, keep)
         return _plain(INTEGER, np.ascontiguousarray(array, "i8"), 8, keep)
     raise TypeError(
-        f"{type(value).__name__} of shape {array.shape} cannot be given: numbers, points (n × 3), texts, curves and meshes can"
+        f"an array of {array.dtype} and shape {array.shape} cannot be given: numbers, points (n × 3), Vectors, Planes, texts, "
+        "curves, meshes, panel sets and tables can"
     )
+
+
+def column(value: Any, keep: List[Any]) -> _c.Column:
+    """A column: an array of numbers or of points (n × 3), vectors, planes, one item, or a list of items of one type with None
+    for gaps."""
+    if isinstance(value, (Vectors, Planes)):
+        kind, width = (VECTOR, 3) if isinstance(value, Vectors) else (PLANE, 4)
+        array = np.ascontiguousarray(value.array, "f8").reshape(-1, width)
+        return _plain(kind, array, 8 * width, keep)
+    if isinstance(value, (list, tuple)):
+        return _list(value, keep)
+    if isinstance(value, np.ndarray):
+        return _array(value, keep)
+    return _list([value], keep)
 
 
 def tree(value: Any) -> Tuple[_c.Tree, List[Any]]:

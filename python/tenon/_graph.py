@@ -7,7 +7,7 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _c, _callbacks, _give
 from ._c import LIB
@@ -43,6 +43,12 @@ def _text(call: Callable[..., Optional[int]], *arguments: Any) -> str:
     return text
 
 
+def _texts(texts: Iterable[Union[str, bytes]]) -> Tuple[Any, int]:
+    """Texts as C wants them, and how many."""
+    encoded = [os.fsencode(text) for text in texts]
+    return (c.c_char_p * len(encoded))(*encoded), len(encoded)
+
+
 def version() -> Tuple[int, int]:
     """Major and minor version of the interface."""
     number = LIB.tenon_version()
@@ -73,11 +79,20 @@ class Engine(_Owned):
 
     _free = LIB.tenon_engine_free
 
-    def __init__(self, threads: int = 0, plugins: Sequence[PathLike] = (), search: bool = False) -> None:
-        paths = [os.fspath(p).encode() for p in plugins]
+    def __init__(
+        self,
+        threads: int = 0,
+        plugins: Sequence[PathLike] = (),
+        search: bool = False,
+        folders: Sequence[PathLike] = (),
+        isolate: Sequence[str] = (),
+    ) -> None:
+        """`plugins` are libraries, `folders` hold libraries, `search` looks where the user keeps them; `isolate` names plugins
+        (or "all") that run in processes of their own whatever a graph says."""
         config = _c.Config(size=c.sizeof(_c.Config), threads=threads, search=int(search))
-        config.plugins = (c.c_char_p * len(paths))(*paths)
-        config.plugin_count = len(paths)
+        config.plugins, config.plugin_count = _texts(map(os.fspath, plugins))
+        config.folders, config.folder_count = _texts(os.path.abspath(folder) for folder in folders)
+        config.isolate, config.isolate_count = _texts(isolate)
         out = c.c_void_p()
         _must(LIB.tenon_engine_new(c.byref(config), c.byref(out)))
         super().__init__(out)
@@ -255,13 +270,13 @@ class Graph(_Owned):
 
     @property
     def inputs(self) -> List[Dict[str, Any]]:
-        """The interface's inputs: name, doc, unit, ports, min, max."""
+        """The interface's inputs: name, ports, doc, unit, type, access, min, max, choices, default, value."""
         found: List[Dict[str, Any]] = json.loads(_text(LIB.tenon_graph_interface, self._handle, 0))
         return found
 
     @property
     def outputs(self) -> List[Dict[str, Any]]:
-        """The interface's outputs: name, doc, unit, ports."""
+        """The interface's outputs: name, ports, doc, unit, type, access."""
         found: List[Dict[str, Any]] = json.loads(_text(LIB.tenon_graph_interface, self._handle, 1))
         return found
 
@@ -305,9 +320,9 @@ class Graph(_Owned):
         return Job(out)
 
     def give(self, name: str, value: Any) -> "Graph":
-        """Sets an input to what a graph file cannot hold: an array of numbers or points (n × 3), a `Mesh` or a compas mesh, a
-        `Curve`, a list of these, or a dict of them by path. It is copied. It stands until the input is set otherwise and
-        is not part of `save`."""
+        """Sets an input to what a graph file cannot hold: an array of numbers or points (n × 3), `Vectors`, `Planes`, a `Mesh`
+        or a compas mesh, a `Curve`, `Panels`, a `Table`, a list of one of these with None for gaps, or a dict of them by path.
+        It is copied. It stands until the input is set otherwise and is not part of `save`."""
         tree, keep = _give.tree(value)
         _must(LIB.tenon_graph_give(self._handle, name.encode(), c.byref(tree)))
         del keep

@@ -5,7 +5,8 @@ from __future__ import annotations
 import ctypes as c
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
+from types import MappingProxyType
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,6 +145,57 @@ class Panels:
         """A panel's row and column, behind its patch where there are several."""
         patch, row, column = (int(n) for n in self.address[panel])
         return f"{patch}/{row}/{column}" if self.address[:, 0].any() else f"{row}/{column}"
+
+
+@dataclass(frozen=True)
+class Vectors:
+    """Vectors (n × 3), mm, to be given: an array alone would be points."""
+
+    array: Any
+
+    def __len__(self) -> int:
+        return len(self.array)
+
+
+@dataclass(frozen=True)
+class Planes:
+    """Planes (n × 4) to be given: a unit normal n and an offset d, mm; the points p with n·p = d."""
+
+    array: Any
+
+    def __len__(self) -> int:
+        return len(self.array)
+
+
+@dataclass(frozen=True)
+class Opaque:
+    """Values of a type that does not cross; `Result.json` shows them."""
+
+    type_name: str
+    count: int
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of attributes: one value per row under each name, arrays for numbers, points, vectors and planes, lists for
+    the rest. To be given, attributes may be whatever a list may be."""
+
+    rows: int
+    attributes: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, **attributes: Any) -> "Table":
+        """A table of lists or arrays that are as long as each other."""
+        lengths = {name: len(items) for name, items in attributes.items()}
+        if len(set(lengths.values())) > 1:
+            raise ValueError(f"the attributes of a table have one value per row, but these have {lengths}")
+        return cls(max(lengths.values(), default=0), attributes)
+
+    def __len__(self) -> int:
+        return self.rows
+
+    def __getitem__(self, name: str) -> Any:
+        return self.attributes[name]
 
 
 @dataclass(frozen=True)
@@ -293,6 +345,16 @@ def _file(_: Any, x: _c.File) -> File:
     return File(str(x.name), content, str(x.withheld) or None)
 
 
+def _table(owner: Any, x: _c.Table) -> Table:
+    attributes = {}
+    for i in range(x.attribute_count):
+        a = _c.Attribute.from_address(x.attributes + i * x.attribute_stride)
+        opaque = a.column.kind == OPAQUE
+        attributes[str(a.name)] = Opaque(str(a.column.type_name), a.column.count) if opaque else column(owner, a.column)
+    return Table(x.row_count, MappingProxyType(attributes))
+
+
+OPAQUE = 65536
 PLAIN = {1: ("?", 1), 2: ("i8", 1), 3: ("f8", 1), 5: ("f8", 3), 6: ("f8", 3), 7: ("f8", 4)}
 STRUCTS: Dict[int, Tuple[Any, Callable[[Any, Any], Any]]] = {
     8: (_c.Curve, _curve),
@@ -300,6 +362,7 @@ STRUCTS: Dict[int, Tuple[Any, Callable[[Any, Any], Any]]] = {
     10: (_c.Panels, _panels),
     11: (_c.Features, _features),
     12: (_c.File, _file),
+    14: (_c.Table, _table),
 }
 
 
