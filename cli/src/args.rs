@@ -107,6 +107,13 @@ pub struct PluginNewArgs {
     /// In C instead of Rust
     #[arg(long)]
     pub c: bool,
+    /// A node that makes curves instead of a fastener
+    #[arg(long, conflicts_with = "c")]
+    pub curve: bool,
+    /// The folder plugin-sdk of Tenon, on which a plugin in Rust depends; without it, the one that lies where this program
+    /// is installed or was built
+    #[arg(long, value_name = "DIR", conflicts_with = "c")]
+    pub sdk: Option<PathBuf>,
 }
 
 /// Options of `tenon plugin list`.

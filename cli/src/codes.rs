@@ -26,6 +26,11 @@ pub const CODES: &[Code] = &[
     code("no-plan", "A line of a plan is no row of a sweep.", "tenon sweep plan writes plans."),
     code("no-process", "A check of a plugin cannot be started.", "The message gives the system's reason."),
     code(
+        "no-sdk",
+        "The source of the plugin SDK, which plugins in Rust need, is not there.",
+        "Name its folder with --sdk.",
+    ),
+    code(
         "no-thread",
         "The system gives the program no thread to work on.",
         "Close other programs, or raise their limit.",

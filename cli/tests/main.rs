@@ -12,6 +12,7 @@ mod graphs;
 mod inspect;
 mod interrupt;
 mod kill;
+mod newcomer;
 mod nodes;
 mod plugin;
 mod report;

@@ -162,6 +162,16 @@ fn plugins_are_listed_described_and_found_in_folders() {
     );
     assert!(found["refused"][0].as_str().unwrap().contains("broken.so"));
     assert_eq!(run("plugins:.:")["plugins"], json!([]));
+    // The user's own folder, which needs no variable.
+    let own = folder.0.join("tenon/plugins");
+    std::fs::create_dir_all(&own).unwrap();
+    std::fs::copy(hinges(), own.join("mine.so")).unwrap();
+    let found = run("");
+    assert_eq!(found["plugins"][0]["path"], json!(own.canonicalize().unwrap().join("mine.so").display().to_string()));
+    assert_eq!((&found["plugins"][0]["id"], &found["refused"]), (&json!("hinges"), &json!([])));
+    let mut tenon = Command::new(env!("CARGO_BIN_EXE_tenon"));
+    let tenon = tenon.args(["nodes", "hinges.butt_hinge"]).current_dir(&folder.0).env("XDG_DATA_HOME", &folder.0);
+    assert!(tenon.env_remove("TENON_PLUGIN_PATH").status().unwrap().success());
 }
 
 #[test]
@@ -464,7 +474,7 @@ fn a_new_plugin_builds_loads_and_passes() {
     folder.tenon(&["plugin", "new", "acme"]).code(2).says(&["there already"]);
     folder.tenon(&["plugin", "new", "../acme"]).code(2).says(&["lower case"]);
     folder.tenon(&["plugin", "new", "rusty"]).code(0);
-    assert!(folder.read("rusty/src/lib.rs").contains("\"rusty.helix\""));
+    assert!(folder.read("rusty/src/lib.rs").contains("\"rusty.cam_connector\""));
 }
 
 /// The C example as it was compiled when version 1.0 of the contract was new. It is never compiled anew.

@@ -117,6 +117,7 @@ pub fn run(editor: bool) -> Result<(), String> {
     let share = place.join("share/tenon");
     copy_all(&root().join("docs"), &share.join("docs"))?;
     copy_all(&root().join("graphs"), &share.join("graphs"))?;
+    crate::sdk::lay_out(&share.join("plugin-sdk"))?;
     // The wheel holds the same library.
     let mut wheel = Command::new("python3");
     call(wheel.arg("python/build_wheel.py").arg(share.join("python")))?;
@@ -124,7 +125,8 @@ pub fn run(editor: bool) -> Result<(), String> {
     Ok(())
 }
 
-fn write(file: &Path, text: &str) -> Result<(), String> {
+/// Writes a file, and the folder around it.
+pub fn write(file: &Path, text: &str) -> Result<(), String> {
     let make = || {
         fs::create_dir_all(file.parent().unwrap_or(file))?;
         fs::write(file, text)
@@ -143,7 +145,7 @@ fn copy(file: &Path, folder: &Path) -> Result<(), String> {
 }
 
 /// Copies what is in a folder, folders in it included.
-fn copy_all(from: &Path, to: &Path) -> Result<(), String> {
+pub fn copy_all(from: &Path, to: &Path) -> Result<(), String> {
     let at = |e: std::io::Error| format!("{}: {e}", from.display());
     for entry in fs::read_dir(from).map_err(at)? {
         let path = entry.map_err(at)?.path();

@@ -6,6 +6,7 @@ mod codes;
 mod dist;
 mod docs;
 mod picture;
+mod sdk;
 
 use std::process::ExitCode;
 

@@ -38,12 +38,8 @@ fn run_row(args: &SweepRowArgs) -> Result<End, Wrong> {
     };
     output::prepare_folder(&args.out)?;
     let _lock = Lock::shared(&args.out)?;
-    let mut bench = Bench::new(
-        crate::plugins::sources()?,
-        args.threads.into(),
-        crate::run::CACHE,
-        cache::store(&args.cache),
-    );
+    let mut bench =
+        Bench::new(crate::plugins::sources()?, args.threads.into(), crate::run::CACHE, cache::store(&args.cache));
     // A plan of another graph is refused even where the result is there.
     bench.load(row)?;
     let found = sweep::found(&args.out, row, &mut Inputs::default());
