@@ -7,6 +7,7 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tenon_engine::{Diagnostic, Registry};
+use tenon_plugin::load::LoadFault;
 
 /// The variable that names folders with plugins.
 pub const VARIABLE: &str = "TENON_PLUGIN_PATH";
@@ -137,7 +138,11 @@ impl Found {
             let message = format!("the graph needs the plugin {id} {wanted}; what is there is {}", plugin.version);
             return wrong(message).map(|d| d.hint(format!("replace {}", plugin.path.display())));
         }
-        let refused = self.refused.iter().map(ToString::to_string).find(|r| r.contains(id));
+        // One that could not be asked in its process who it is may be the one that is missing.
+        let unknown = |r: &PluginError| matches!(r, PluginError::Load(e) if matches!(e.why, LoadFault::Process(_)));
+        let named = |r: &&PluginError| r.to_string().contains(id);
+        let refused = self.refused.iter().find(named).or_else(|| self.refused.iter().find(|r| unknown(r)));
+        let refused = refused.map(ToString::to_string);
         let place = user_folder().map_or_else(String::new, |f| format!("put its library into {}, or ", f.display()));
         let hint = refused.unwrap_or_else(|| format!("{place}name it with --plugin LIBRARY"));
         wrong(format!("the graph needs the plugin {id} {wanted}, which is not there")).map(|d| d.hint(hint))
