@@ -29,6 +29,7 @@ enum Buffer {
 
 /// The buffers of one evaluation by address. Most make none, so the map comes with the first.
 #[derive(Debug, Default)]
+#[expect(clippy::box_collection, reason = "it is moved at every call, and then one word instead of three")]
 pub struct Buffers(Option<Box<BTreeMap<usize, Buffer>>>);
 
 /// The largest buffer, bytes: beyond that a length is a mistake.

@@ -159,8 +159,11 @@ impl Document {
     }
 }
 
+/// Puts in a look what being in a list says.
+type Say = fn(&mut Look);
+
 /// The lists of the file, and what being in one of them says of a node.
-const LOOKS: [(&str, fn(&mut Look)); 3] = [
+const LOOKS: [(&str, Say); 3] = [
     ("hidden", |look| look.shown = Some(false)),
     ("open", |look| look.open = true),
     ("shown", |look| look.shown = Some(true)),

@@ -365,8 +365,10 @@ impl Session {
         let Some(t) = self.plan.node_type(i) else { return };
         let mut reports = Vec::new();
         let pass = || gather::passed(&self.plan, &self.registry, i, &self.values, &mut reports);
-        let Some(passed) = guarded(t, cancel, pass).map_or_else(|fail| Some(Err(fail)), |passed| passed) else {
-            return;
+        let passed = match guarded(t, cancel, pass) {
+            Ok(None) => return,
+            Ok(Some(passed)) => passed,
+            Err(fail) => Err(fail),
         };
         let status = if passed.is_ok() { Status::Good } else { Status::Failed };
         let happened = if passed.is_ok() { Happened::Bypassed } else { Happened::Failed };

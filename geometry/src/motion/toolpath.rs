@@ -290,7 +290,7 @@ pub fn place_boards<R: Send>(
     ranks.sort_by_key(|rank| layout.placements[*rank as usize].board);
     let same = |a: &u32, b: &u32| layout.placements[*a as usize].board == layout.placements[*b as usize].board;
     let boards: Vec<&[u32]> = ranks.chunk_by(same).collect();
-    let done: Vec<(Option<R>, Vec<(u32, PathIssue)>)> = boards
+    let done: Vec<Board<R>> = boards
         .into_par_iter()
         .map_init(ToolPaths::default, |placed, ranks| {
             let issues = place_board(paths, layout, machine, ranks, placed, go);
@@ -302,6 +302,9 @@ pub fn place_boards<R: Send>(
     issues.sort_by_key(|(rank, _)| *rank);
     (made.into_iter().flatten().collect(), issues.into_iter().map(|(_, issue)| issue).collect())
 }
+
+/// What was made of one board, and what of its parts is out of reach, by rank.
+type Board<R> = (Option<R>, Vec<(u32, PathIssue)>);
 
 /// Places the parts of one board, the placements `ranks`, in `out`, which it empties first; gives what is out of reach.
 fn place_board(

@@ -278,8 +278,9 @@ fn set_column(c: &mut Call<'_>, info: &PortInfo, column: Column) -> Result<(), F
 mod tests {
     use super::*;
     use std::borrow::Cow;
-    use std::sync::atomic::{AtomicBool, Ordering};
+    use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
     use tenon_engine::{Control, Document, Node, Options, Registry, Session};
+    use tenon_plugin::author;
     use tenon_plugin::value::Items;
 
     fn output() -> PortInfo {
@@ -316,5 +317,86 @@ mod tests {
         let mut session = Session::new(Arc::new(registry), document, Options::default());
         assert!(session.evaluate(&[], &control).cancelled);
         assert!(returned.load(Ordering::Relaxed), "the list was not refused, or the plugin never got to know");
+    }
+
+    /// Addresses that a plugin's node saw: its input's and its buffer's.
+    static SEEN: [AtomicUsize; 2] = [const { AtomicUsize::new(0) }; 2];
+
+    fn pass(c: &mut author::Call<'_>) -> Result<(), author::Fail> {
+        c.fill("points", |c| {
+            let Items::Point(given) = c.items("points")? else { return Err(author::Fail::new("odd", "no points")) };
+            let made = c.buffer::<tenon_vec3>(given.len())?;
+            made.copy_from_slice(given);
+            SEEN[0].store(given.as_ptr().addr(), Ordering::Relaxed);
+            SEEN[1].store(made.as_ptr().addr(), Ordering::Relaxed);
+            Ok(Items::Point((&*made).into()))
+        })?;
+        let curve = c.curve("curve")?;
+        c.set_curve("curve", curve)
+    }
+
+    fn passing() -> NodeType {
+        let [points, curve] =
+            [author::Port::point("points").list(), author::Port::curve("curve")].map(|p| p.doc("It."));
+        let node = author::Node::new("here.pass", 1)
+            .name("Pass")
+            .doc("Passes points and a curve on.")
+            .input(points.clone())
+            .input(curve.clone())
+            .output(points)
+            .output(curve)
+            .run(pass);
+        let plugin = Plugin::built_in(author::Plugin::new("here", "1.0.0").node(node)).unwrap();
+        node_type(&Arc::new(plugin), 0).unwrap()
+    }
+
+    #[test]
+    fn points_cross_a_plugin_in_rust_at_the_same_addresses_and_strips_stay_strips() {
+        let made: Vec<Point> = (0..100_000).map(|i| Point([f64::from(i), 0.5, -1.0].into())).collect();
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 1.0, 0.0], [3.0, 1.0, 0.0]];
+        let corners = corners.map(|[x, y, z]| [x, y, z, 1.0].into()).to_vec();
+        let strips = Curve::strips_of(corners, vec![0, 2, 4], false).unwrap();
+        let (points, curve) = (made.clone(), strips.clone());
+        let source = NodeType::new("source", 1)
+            .output(Port::list::<Point>("points"))
+            .output(Port::item::<V<Curve>>("curve"))
+            .run(move |c| {
+                c.set_column("points", Column::new(points.clone()));
+                c.set("curve", V::new(curve.clone()));
+                Ok(())
+            });
+        let mut registry = Registry::new();
+        crate::value::register(&mut registry);
+        [source, passing()].into_iter().try_for_each(|node| registry.register(node)).unwrap();
+        let graph = r#"{ "format": "tenon", "version": 1, "units": "mm", "nodes": {
+            "a": { "type": "source" },
+            "b": { "type": "here.pass", "inputs": { "points": { "from": ["a.points"] }, "curve": { "from": ["a.curve"] } } }
+        } }"#;
+        let document = Document::from_slice(graph.as_bytes()).unwrap();
+        let mut session = Session::new(Arc::new(registry), document, Options::default());
+        let report = session.evaluate(&["b.points", "b.curve"], &Control::default());
+        assert_eq!(report.diagnostics, []);
+        let address = |port: &str| {
+            let tree = session.value(port).unwrap();
+            let points = tree.branches()[0].1.slice::<Point>().unwrap();
+            assert_eq!(points, made);
+            points.as_ptr().addr()
+        };
+        assert_eq!(address("a.points"), SEEN[0].load(Ordering::Relaxed), "the input was copied");
+        assert_eq!(address("b.points"), SEEN[1].load(Ordering::Relaxed), "the output was copied");
+        assert_eq!(**session.value("b.curve").unwrap().first::<V<Curve>>().unwrap(), strips);
+    }
+
+    #[test]
+    fn a_fastener_that_declares_the_hosts_head_gets_one_port_of_it() {
+        let fastener = |head: author::Port| {
+            let node = author::Node::fastener("here.pin", 1).name("Pin").doc("Lays pins.").input(head.doc("Whose."));
+            let plugin = author::Plugin::new("here", "1.0.0").node(node.run(|_| Ok(())));
+            node_type(&Arc::new(Plugin::built_in(plugin).unwrap()), 0)
+        };
+        let node = fastener(author::Port::text("head")).unwrap();
+        let heads: Vec<_> = node.inputs().iter().filter(|p| p.name() == "head").collect();
+        assert_eq!(heads.len(), 1);
+        assert!(fastener(author::Port::number("head")).is_err_and(|e| e.to_string().contains("here.pin.head")));
     }
 }
