@@ -50,12 +50,9 @@ pub fn run(start: Start) -> eframe::Result {
     let options = eframe::NativeOptions { viewport: window, ..Default::default() };
     type Made = Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>>;
     let app = move |cc: &eframe::CreationContext<'_>| -> Made {
+        app::positions::Positions::tell_if_asked(&cc.egui_ctx);
         let mut app = app::App::new(cc, None)?;
-        app.model.message = app.model.load_plugins(&start.plugins, &tenon_nodes::plugin::folders()).err();
-        if let Some(graph) = &start.graph {
-            app.open(graph);
-        }
-        app.remember_in(&cc.egui_ctx, model::keep::state_folder());
+        app.begin(&cc.egui_ctx, &start);
         Ok(Box::new(app))
     };
     eframe::run_native("Tenon", options, Box::new(app))

@@ -68,7 +68,14 @@ fn of_a_broken_graph_what_can_be_read_is_opened_and_the_file_stays() {
     assert!(message.message.contains("could be read"), "{}", message.message);
     assert_eq!(w.app().model.path(), None);
     assert!(w.app().model.unsaved(), "it is no file's content");
+    // It stays in sight, whatever is done meanwhile.
+    let told = message.message.clone();
+    w.key(Modifiers::COMMAND, Key::A);
+    w.key(Modifiers::COMMAND, Key::D);
+    assert!(w.app().model.message.is_none() && w.has(&told));
     w.picture("salvaged");
+    w.click(w.rect("Put away").center());
+    assert!(!w.has(&told));
     w.key(Modifiers::COMMAND, Key::S);
     assert!(w.has("Save the graph"), "a name is asked for");
     assert_eq!(std::fs::read_to_string(&bad).unwrap(), half);
@@ -179,6 +186,62 @@ fn a_change_by_another_program_is_a_step_that_can_be_undone() {
     std::fs::write(&path, SMALL.replace("\"value\": 3", "\"value\": 5555")).unwrap();
     until(&mut w, |w| w.app().model.message.as_ref().is_some_and(|m| m.code == "changed-elsewhere"));
     assert_eq!(w.param("a", "value"), "3");
+}
+
+#[test]
+fn a_change_by_another_program_wakes_a_window_that_rests() {
+    let path = graph("rests", SMALL);
+    let mut w = Window::open(Some(&path));
+    let start = std::time::Instant::now();
+    let ctx = w.harness.ctx.clone();
+    while ctx.has_requested_repaint() {
+        assert!(start.elapsed().as_secs() < 20, "it never rests");
+        w.steps(1);
+    }
+    // A second of rest at least, so that nothing but the change can wake it.
+    std::thread::sleep(std::time::Duration::from_millis(1200));
+    assert!(!ctx.has_requested_repaint());
+    std::fs::write(&path, SMALL.replace("\"value\": 3", "\"value\": 44")).unwrap();
+    while !ctx.has_requested_repaint() {
+        assert!(start.elapsed().as_secs() < 60, "nobody wakes it");
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    w.steps(1);
+    assert_eq!(w.param("a", "value"), "44");
+}
+
+#[test]
+fn windows_without_a_file_keep_their_work_apart_and_find_only_orphans() {
+    let state = folder("apart");
+    let begin = |value: i32| {
+        let mut w = Window::open(None);
+        let ctx = w.harness.ctx.clone();
+        w.app().remember_in(&ctx, Some(state.clone()));
+        w.steps(2);
+        if value > 0 {
+            assert!(!w.has("Recover it"), "the work of a window that lives is not offered");
+            let (id, add) = w.app().model.new_node("number", [0.0, 0.0]);
+            let set = Operation::SetParam { node: id, port: "value".into(), value: Some(value.into()) };
+            assert!(w.app().model.edit(Operation::All(vec![add, set])));
+            let kept = w.app().model.kept_path().unwrap();
+            until(&mut w, |_| kept.exists());
+        }
+        w
+    };
+    let first = begin(11);
+    let mut second = begin(22);
+    // The second leaves its work on purpose; that of the first stays.
+    second.key(Modifiers::COMMAND, Key::N);
+    second.click(second.rect("Discard changes").center());
+    let text = |w: &Window| std::fs::read_to_string(w.harness.state().model.kept_path().unwrap()).unwrap();
+    assert!(text(&first).contains("11"));
+    drop(second);
+    // The first dies: now there is an orphan.
+    drop(first);
+    let mut heir = begin(0);
+    heir.click(heir.rect("Recover it").center());
+    assert_eq!(heir.param("number", "value"), "11");
+    drop(heir);
 }
 
 #[test]

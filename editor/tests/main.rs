@@ -3,10 +3,12 @@
 mod boards;
 mod canvas;
 mod clusters;
+mod comfort;
 mod common;
 mod files;
 mod history;
 mod keys;
+mod leaving;
 mod looking;
 mod looks;
 mod panels;

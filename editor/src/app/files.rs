@@ -1,6 +1,7 @@
 //! Opening, saving, leaving, exporting, and what is dropped on the window.
 
 use super::App;
+use super::dialogs::{Answer, Wish};
 use crate::model::file::name_in;
 use crate::panels::{self, Browse, Browser};
 use eframe::egui::{self, Ui, ViewportCommand};
@@ -41,9 +42,9 @@ impl App {
         self.boards.opened();
     }
 
-    pub(super) fn save(&mut self, path: Option<&Path>) -> bool {
+    pub(super) fn save(&mut self, ctx: &egui::Context, path: Option<&Path>) -> bool {
         if path.is_none() && self.model.path().is_none() {
-            self.browse(Browse::Save);
+            self.browse(ctx, Browse::Save);
             return false;
         }
         let saved = self.model.save(path);
@@ -69,8 +70,28 @@ impl App {
         }
     }
 
-    pub(super) fn browse(&mut self, what: Browse) {
+    /// Asks for a file: the desktop, if it is there and wanted, else by the window's own browser.
+    pub(super) fn browse(&mut self, ctx: &egui::Context, what: Browse) {
+        if self.preferences.desktop_dialogs && self.dialogs.are_there() {
+            let (folder, name) = what.proposed(self.model.path());
+            if self.dialogs.ask(ctx, Wish { what: what.clone(), folder, name }) {
+                return;
+            }
+        }
         self.browser = Some(Browser::new(what, self.model.path()));
+    }
+
+    /// Takes what the desktop's windows have answered.
+    fn answered(&mut self, ui: &Ui) {
+        match self.dialogs.answer() {
+            Answer::Nothing => {}
+            Answer::Nobody(what) => self.browser = Some(Browser::new(what, self.model.path())),
+            Answer::Path(what, path) => {
+                // Whether a file may be written over, the desktop has asked.
+                let path = if what.writes() { what.with_ending(path) } else { path };
+                self.chosen(ui, what, &path);
+            }
+        }
     }
 
     fn ask(&mut self, ui: &Ui) {
@@ -92,7 +113,7 @@ impl App {
             Some(Some(false)) => self.leave(ui, to),
             Some(Some(true)) => {
                 self.leaving = None;
-                if self.save(None) {
+                if self.save(ui.ctx(), None) {
                     self.leave(ui, to);
                 }
             }
@@ -125,11 +146,10 @@ impl App {
 
     /// Takes the state folder of this user: recent graphs, preferences, and unsaved work of graphs without a file.
     pub fn remember_in(&mut self, ctx: &egui::Context, folder: Option<PathBuf>) {
-        self.model.state = folder;
+        self.model.remember_in(folder);
         self.take_preferences(ctx);
         // Somebody who is here for the first time sees the examples.
         self.gallery.open = !self.preferences.toured && self.model.path().is_none();
-        self.model.remember();
         self.found |= self.model.left_behind().is_some();
     }
 
@@ -164,7 +184,7 @@ impl App {
         match what {
             Browse::Open => self.leave(ui, Leave::Open(path.to_owned())),
             Browse::Save => {
-                self.save(Some(path));
+                self.save(ui.ctx(), Some(path));
             }
             Browse::Input { node, port } => {
                 let value = Some(name_in(self.model.path(), path).into());
@@ -190,11 +210,12 @@ impl App {
             self.dropped(ui, &path);
         }
         if let Some(what) = self.model.wanted_file.take() {
-            self.browse(Browse::Input { node: what.0, port: what.1 });
+            self.browse(ui.ctx(), Browse::Input { node: what.0, port: what.1 });
         }
         if let Some(what) = self.viewport.wants.take() {
-            self.browse(what);
+            self.browse(ui.ctx(), what);
         }
+        self.answered(ui);
         if let Some(mut browser) = self.browser.take() {
             match browser.show(ui) {
                 panels::Chosen::Nothing => self.browser = Some(browser),

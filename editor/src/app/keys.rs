@@ -36,12 +36,12 @@ impl App {
     pub(super) fn keys(&mut self, ui: &Ui) {
         let pressed = |keys| ui.input_mut(|i| i.consume_shortcut(&keys));
         if pressed(SAVE_AS) {
-            self.browse(Browse::Save);
+            self.browse(ui.ctx(), Browse::Save);
         } else if pressed(SAVE) {
-            self.save(None);
+            self.save(ui.ctx(), None);
         }
         if pressed(OPEN) {
-            self.browse(Browse::Open);
+            self.browse(ui.ctx(), Browse::Open);
         }
         if pressed(NEW) {
             self.leave(ui, Leave::New);

@@ -56,7 +56,7 @@ impl App {
             self.leave(ui, Leave::New);
         }
         if item(ui, "Open …", keys::OPEN) {
-            self.browse(Browse::Open);
+            self.browse(ui.ctx(), Browse::Open);
         }
         if ui.button("Examples …").clicked() {
             self.gallery.open = true;
@@ -73,20 +73,20 @@ impl App {
             }
         });
         if item(ui, "Save", keys::SAVE) {
-            self.save(None);
+            self.save(ui.ctx(), None);
         }
         if item(ui, "Save as …", keys::SAVE_AS) {
-            self.browse(Browse::Save);
+            self.browse(ui.ctx(), Browse::Save);
         }
         ui.separator();
         if ui.button("Export the files …").on_hover_text("what tenon run --out would write").clicked() {
-            self.browse(Browse::Export);
+            self.browse(ui.ctx(), Browse::Export);
         }
         if ui.button("Load a plugin …").clicked() {
-            self.browse(Browse::Plugin);
+            self.browse(ui.ctx(), Browse::Plugin);
         }
         if ui.button("Show a mesh or picture behind …").clicked() {
-            self.browse(Browse::Reference);
+            self.browse(ui.ctx(), Browse::Reference);
         }
         ui.separator();
         if ui.button("Quit").clicked() {

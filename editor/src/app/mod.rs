@@ -1,8 +1,11 @@
 //! The window: menus, canvas, viewport, panels, keys. Everything that it does goes to the model.
 
+pub mod dialogs;
 mod files;
 mod keys;
 mod menus;
+mod notices;
+pub mod positions;
 mod preferences;
 mod status;
 mod tour;
@@ -12,6 +15,7 @@ use crate::canvas::Canvas;
 use crate::model::Model;
 use crate::panels::{self, Browser, Lower};
 use crate::viewport::Viewport;
+use dialogs::Dialogs;
 use eframe::egui::{self, Key, Ui};
 use files::Leave;
 use preferences::Preferences;
@@ -33,12 +37,16 @@ pub struct App {
     /// What stands below the canvas.
     pub lower: Lower,
     browser: Option<Browser>,
+    /// The desktop's windows for files.
+    pub dialogs: Dialogs,
     help: bool,
     /// A question that must be answered before unsaved work is left.
     leaving: Option<Leave>,
     /// The graphics card, or why there is none.
     card: String,
     has_card: bool,
+    /// The processor draws.
+    software: bool,
     title: String,
     /// Unsaved work of an earlier window was found, and nobody has said yet what becomes of it.
     found: bool,
@@ -68,8 +76,16 @@ impl App {
     pub fn new(cc: &eframe::CreationContext<'_>, graph: Option<&Path>) -> std::io::Result<Self> {
         let ctx = cc.egui_ctx.clone();
         // A second pass over the same input would do twice what a key or a click asks for.
-        ctx.options_mut(|o| o.max_passes = std::num::NonZeroUsize::MIN);
+        ctx.options_mut(|o| {
+            o.max_passes = std::num::NonZeroUsize::MIN;
+            // Clicks are timed by frames, which are slow where the processor draws; desktops wait as long.
+            o.input_options.max_double_click_delay = 0.45;
+        });
         let mut viewport = Viewport::default();
+        let cpu = |card: &eframe::egui_wgpu::RenderState| {
+            card.adapter.get_info().device_type == eframe::wgpu::DeviceType::Cpu
+        };
+        let software = cc.wgpu_render_state.as_ref().is_some_and(cpu);
         let card = cc.wgpu_render_state.as_ref().map(|card| viewport.use_card(card));
         let mut app = Self {
             model: Model::new(move || ctx.request_repaint())?,
@@ -79,9 +95,11 @@ impl App {
             side: Side::Space,
             lower: Lower::default(),
             browser: None,
+            dialogs: Dialogs::default(),
             help: false,
             leaving: None,
             has_card: card.is_some(),
+            software,
             card: card.unwrap_or_else(|| "no graphics".into()),
             title: String::new(),
             found: false,
@@ -95,6 +113,20 @@ impl App {
             app.open(graph);
         }
         Ok(app)
+    }
+
+    /// Takes what the user prefers, loads plugins, and opens what the program was called with.
+    pub fn begin(&mut self, ctx: &egui::Context, start: &crate::Start) {
+        let state = crate::model::keep::state_folder();
+        self.model.state.clone_from(&state);
+        self.take_preferences(ctx);
+        self.dialogs = Dialogs::of_the_desktop();
+        self.model.host_plugins_by(std::env::current_exe().ok());
+        self.model.message = self.model.load_plugins(&start.plugins, &tenon_nodes::plugin::folders()).err();
+        if let Some(graph) = &start.graph {
+            self.open(graph);
+        }
+        self.remember_in(ctx, state);
     }
 
     fn side(&mut self, ui: &mut Ui) {
@@ -231,6 +263,7 @@ impl eframe::App for App {
                 }
             });
         }
+        self.notices(ui);
         if !self.model.trail().is_empty() {
             egui::Panel::top("trail").show(ui, |ui| self.trail(ui));
         }

@@ -1,4 +1,4 @@
-//! What the window remembers of its user besides graphs: theme, scale, and whether the tour was seen.
+//! What the window remembers of its user besides graphs: theme, scale, where plugins run, and what was seen once.
 
 use super::App;
 use eframe::egui::{self, ThemePreference, Ui};
@@ -14,11 +14,24 @@ pub struct Preferences {
     pub scale: f32,
     /// The tour was seen or put away.
     pub toured: bool,
+    /// That the processor draws was told.
+    pub told_of_software: bool,
+    /// Plugins run in processes of their own, so that one that crashes leaves the window.
+    pub plugins_apart: bool,
+    /// Files are asked for by the desktop's own windows, where there are such.
+    pub desktop_dialogs: bool,
 }
 
 impl Default for Preferences {
     fn default() -> Self {
-        Self { theme: ThemePreference::System, scale: 1.0, toured: false }
+        Self {
+            theme: ThemePreference::System,
+            scale: 1.0,
+            toured: false,
+            told_of_software: false,
+            plugins_apart: cfg!(target_os = "linux"),
+            desktop_dialogs: true,
+        }
     }
 }
 
@@ -37,7 +50,16 @@ impl Preferences {
         };
         let scale = file.get("scale").and_then(Value::as_f64).map_or(1.0, |s| s as f32);
         let scale = if scale.is_finite() { scale.clamp(*SCALES.start(), *SCALES.end()) } else { 1.0 };
-        Self { theme, scale, toured: file.get("toured").and_then(Value::as_bool).unwrap_or(false) }
+        let first = Self::default();
+        let is = |key: &str, otherwise: bool| file.get(key).and_then(Value::as_bool).unwrap_or(otherwise);
+        Self {
+            theme,
+            scale,
+            toured: is("toured", first.toured),
+            told_of_software: is("told_of_software", first.told_of_software),
+            plugins_apart: is("plugins_apart", first.plugins_apart),
+            desktop_dialogs: is("desktop_dialogs", first.desktop_dialogs),
+        }
     }
 
     /// Their text.
@@ -49,7 +71,15 @@ impl Preferences {
             ThemePreference::System => "system",
         };
         let scale = f64::from((self.scale * 100.0).round()) / 100.0;
-        format!("{:#}\n", json!({ "theme": theme, "scale": scale, "toured": self.toured }))
+        let all = json!({
+            "theme": theme,
+            "scale": scale,
+            "toured": self.toured,
+            "told_of_software": self.told_of_software,
+            "plugins_apart": self.plugins_apart,
+            "desktop_dialogs": self.desktop_dialogs,
+        });
+        format!("{all:#}\n")
     }
 }
 
@@ -64,6 +94,7 @@ impl App {
         self.preferences = Preferences::read(&text);
         ctx.set_theme(self.preferences.theme);
         ctx.set_zoom_factor(self.preferences.scale);
+        self.model.run_plugins_apart(self.preferences.plugins_apart);
     }
 
     /// Keeps them.
@@ -88,6 +119,25 @@ impl App {
         for scale in [0.8, 1.0, 1.25, 1.5, 2.0] {
             ui.radio_value(&mut self.preferences.scale, scale, format!("{:.0} %", scale * 100.0));
         }
+        ui.separator();
+        if cfg!(target_os = "linux") {
+            let words = "Plugins in processes of their own";
+            let why = "A plugin that crashes then leaves the window, and its node says so";
+            ui.checkbox(&mut self.preferences.plugins_apart, words).on_hover_text(why);
+        }
+        let why = match self.dialogs.are_there() {
+            true => "Off: the window's own browser",
+            false => "Here is no desktop that has any: the window's own browser is used",
+        };
+        let words = "File windows of the desktop";
+        ui.add_enabled_ui(self.dialogs.are_there(), |ui| {
+            let asks = ui.checkbox(&mut self.preferences.desktop_dialogs, words);
+            asks.on_hover_text(why).on_disabled_hover_text(why);
+        });
+        if self.preferences.plugins_apart != before.plugins_apart {
+            self.model.run_plugins_apart(self.preferences.plugins_apart);
+            self.model.message = self.model.load_plugins(&[], &[]).err();
+        }
         if self.preferences != before {
             ui.ctx().set_theme(self.preferences.theme);
             ui.ctx().set_zoom_factor(self.preferences.scale);
@@ -102,7 +152,8 @@ mod tests {
 
     #[test]
     fn preferences_are_read_as_they_were_written_and_nonsense_is_left_out() {
-        let p = Preferences { theme: ThemePreference::Dark, scale: 1.25, toured: true };
+        let mut p = Preferences { theme: ThemePreference::Dark, scale: 1.25, toured: true, ..Preferences::default() };
+        (p.told_of_software, p.plugins_apart, p.desktop_dialogs) = (true, !p.plugins_apart, false);
         assert_eq!(Preferences::read(&p.text()), p);
         for nonsense in ["", "[]", "{\"scale\": \"large\"}", "{\"theme\": 3}"] {
             assert_eq!(Preferences::read(nonsense), Preferences::default());

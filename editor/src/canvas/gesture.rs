@@ -175,7 +175,8 @@ impl Canvas {
         if response.drag_stopped() {
             self.finish(area, pointer, model);
         }
-        if let Some(at) = pointer.filter(|_| response.double_clicked()) {
+        // Two clicks soon after an earlier one elsewhere count as three.
+        if let Some(at) = pointer.filter(|_| response.double_clicked() || response.triple_clicked()) {
             let raw = ui.input(|i| i.modifiers.command);
             self.double_click(area, at, raw, model);
         } else if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) {

@@ -3,6 +3,7 @@
 
 use super::Model;
 use super::file::ENDING;
+use super::slot::Slot;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
@@ -18,17 +19,22 @@ const RECENT: usize = 12;
 /// What is kept of unsaved work, and what is known of the graph's file.
 #[derive(Default)]
 pub struct Keeper {
+    /// Where unsaved work is written; none if there is no place for it.
+    slot: Option<Slot>,
     /// The revision that was written last.
     written: Option<u64>,
     /// When it was, or files were looked at.
     last: Option<Instant>,
     /// Time and length of the graph's file when it was read or written.
-    stamp: Option<(SystemTime, u64)>,
+    stamp: Stamp,
     /// It was told that work cannot be kept.
     told: bool,
 }
 
-fn stamp(path: &Path) -> Option<(SystemTime, u64)> {
+/// Time and length of a file, by which a change is noticed.
+pub(super) type Stamp = Option<(SystemTime, u64)>;
+
+pub(super) fn stamp(path: &Path) -> Stamp {
     let data = fs::metadata(path).ok()?;
     Some((data.modified().ok()?, data.len()))
 }
@@ -45,22 +51,40 @@ impl Model {
     /// The file that unsaved work is kept in; none for a graph without a file where there is no state folder.
     #[must_use]
     pub fn kept_path(&self) -> Option<PathBuf> {
-        match self.path() {
+        self.keeper.slot.as_ref().map(|s| s.file.clone())
+    }
+
+    /// Remembers in a folder from now on: recent graphs, unsaved work of graphs without a file, who works on what.
+    pub fn remember_in(&mut self, state: Option<PathBuf>) {
+        self.state = state;
+        self.take_slot(true);
+        self.remember();
+    }
+
+    /// Takes a place for unsaved work of the graph that is open; `offer` takes one with work that was left behind, if there
+    /// is one.
+    fn take_slot(&mut self, offer: bool) {
+        let locks = self.state.as_ref().map(|s| s.join("locks"));
+        let file = match self.path() {
             Some(path) => {
-                let name = path.file_name()?.to_str()?;
-                Some(path.with_file_name(format!(".{name}.unsaved")))
+                let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+                path.file_name().map(|n| path.with_file_name(format!(".{}.unsaved", n.to_string_lossy())))
             }
-            None => Some(self.state.as_ref()?.join(format!("unsaved{ENDING}"))),
+            None => self.state.as_ref().map(|s| s.join(format!("unsaved{ENDING}"))),
+        };
+        self.keeper.slot = None;
+        self.keeper.slot = file.and_then(|file| Slot::take(&file, locks.as_deref(), offer));
+        if self.path().is_some() && self.keeper.slot.as_ref().is_some_and(|s| s.second) {
+            let message = "another window has this graph open, too";
+            self.message = Some(Diagnostic::error("open-twice", message).hint("the one that is saved last wins"));
         }
     }
 
     /// The text of unsaved work that an earlier window has left behind.
     #[must_use]
     pub fn left_behind(&self) -> Option<String> {
-        if self.keeper.written.is_some() {
-            return None;
-        }
-        let text = fs::read_to_string(self.kept_path()?).ok()?;
+        let slot = self.keeper.slot.as_ref().filter(|s| s.orphan && self.keeper.written.is_none())?;
+        let text = fs::read_to_string(&slot.file).ok()?;
         (!text.trim().is_empty()).then_some(text)
     }
 
@@ -98,9 +122,13 @@ impl Model {
         self.keeper.written = None;
     }
 
-    /// Notes how the graph's file is now, after reading or writing it.
-    pub(super) fn note_file(&mut self) {
-        self.keeper = Keeper { stamp: self.path().and_then(stamp), ..Keeper::default() };
+    /// Notes how the graph's file is now, after reading or writing it; `offer` as at [`Model::take_slot`].
+    pub(super) fn note_file(&mut self, offer: bool) {
+        // The place of the graph before is given back first.
+        self.keeper = Keeper::default();
+        self.keeper.stamp = self.path().and_then(stamp);
+        self.take_slot(offer);
+        self.watch.look_at(self.path().map(|p| (p.to_owned(), self.keeper.stamp)));
     }
 
     /// Keeps unsaved work and looks whether the graph's file was changed elsewhere; to be called every frame. Gives when
@@ -110,7 +138,7 @@ impl Model {
         if !unsaved && self.keeper.written.is_some() {
             self.forget_kept();
         }
-        let due = self.keeper.last.is_none_or(|last| last.elapsed() >= EVERY);
+        let due = self.watch.noticed() || self.keeper.last.is_none_or(|last| last.elapsed() >= EVERY);
         if !due {
             return self.wants_keeping(unsaved).then_some(EVERY);
         }
@@ -124,8 +152,7 @@ impl Model {
         self.wants_keeping(unsaved).then_some(EVERY)
     }
 
-    /// Whether there is work that is not kept yet. Files are looked at whenever the window is drawn, as when it comes to
-    /// the front; waking it for that would cost more than it is worth.
+    /// Whether there is work that is not kept yet.
     fn wants_keeping(&self, unsaved: bool) -> bool {
         unsaved && self.keeper.written != Some(self.revision()) && !self.keeper.told
     }

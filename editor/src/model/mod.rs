@@ -19,6 +19,8 @@ pub mod play;
 pub mod plugins;
 pub mod results;
 pub mod salvage;
+mod slot;
+mod watch;
 pub mod worker;
 
 use catalog::Catalog;
@@ -64,8 +66,11 @@ pub struct Model {
     /// When that was.
     compared_at: Option<Instant>,
     keeper: keep::Keeper,
+    watch: watch::Watch,
     /// Where unsaved work without a file and the list of recent graphs are kept; none: nowhere.
     pub state: Option<PathBuf>,
+    /// What of the graph could not be read from its file.
+    lost: Option<salvage::Lost>,
     /// What went wrong last, for people.
     pub message: Option<Diagnostic>,
     /// What was done last without being asked in so many words, for people.
@@ -81,9 +86,12 @@ impl Model {
     /// If the system gives no thread.
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let registry = Arc::new(tenon_nodes::registry());
+        let wake = Arc::new(wake);
+        let again = wake.clone();
         let mut model = Self {
             catalog: Catalog::new(&registry),
-            worker: Worker::start(registry.clone(), wake)?,
+            worker: Worker::start(registry.clone(), move || wake())?,
+            watch: watch::Watch::start(move || again())?,
             registry,
             plugins: Plugins::default(),
             document: Document::new(),
@@ -100,6 +108,7 @@ impl Model {
             compared_at: None,
             keeper: keep::Keeper::default(),
             state: None,
+            lost: None,
             message: None,
             said: None,
             wanted_file: None,
@@ -148,6 +157,7 @@ impl Model {
         document.read_links(&*host);
         self.catalog.take_clusters(&document, &self.registry);
         self.document = document;
+        self.lost = None;
         self.inside.clear();
         self.history = History::default();
         self.selection.clear();
@@ -161,7 +171,7 @@ impl Model {
         self.show();
         self.worker.look_inside(Vec::new());
         self.worker.open(self.registry.clone(), self.document.clone(), host);
-        self.note_file();
+        self.note_file(self.path.is_some());
     }
 
     /// Who reads the files that nodes name: from the graph's folder, once it has one.
@@ -190,7 +200,7 @@ impl Model {
         self.saved = texts;
         self.compared = (self.revision, false);
         self.path = Some(path.clone());
-        self.note_file();
+        self.note_file(false);
         self.remember();
         if moved {
             // Files that nodes name lie elsewhere now.

@@ -16,6 +16,10 @@ pub struct Plugins {
     pub named: Vec<PathBuf>,
     /// Folders that are searched.
     pub folders: Vec<PathBuf>,
+    /// All run in processes of their own.
+    apart: bool,
+    /// The program that becomes their processes; without one it is `tenon`.
+    host: Option<PathBuf>,
     found: Found,
     /// The requirements that they were loaded for.
     loaded_for: Option<BTreeMap<String, Json>>,
@@ -25,7 +29,8 @@ impl Plugins {
     /// The built-in node types with those of all libraries that can be loaded; what is wrong with the others. Nodes of
     /// plugins that are required and not there say so themselves from then on.
     pub(super) fn load(&mut self, requires: &BTreeMap<String, Json>) -> (Registry, Vec<Diagnostic>) {
-        let wanted = Wanted::new(requires, &[]);
+        let apart: &[String] = if self.apart { &["all".to_owned()] } else { &[] };
+        let wanted = Wanted::new(requires, apart).hosted_by(self.host.clone());
         let (mut wrong, mut good) = (Vec::new(), Vec::new());
         for library in &self.named {
             good.push(library.clone());
@@ -57,6 +62,16 @@ impl Model {
     #[must_use]
     pub fn plugins(&self) -> &Plugins {
         &self.plugins
+    }
+
+    /// Whether plugins that are loaded from now on run in processes of their own, whatever graphs say.
+    pub fn run_plugins_apart(&mut self, apart: bool) {
+        self.plugins.apart = apart;
+    }
+
+    /// The program that becomes the processes of plugins that run apart: it is called as `PROGRAM plugin host`.
+    pub fn host_plugins_by(&mut self, program: Option<PathBuf>) {
+        self.plugins.host = program;
     }
 
     /// Loads libraries besides those that are loaded, and searches `folders` if there are any. The document stays as it is;

@@ -41,6 +41,8 @@ pub struct Results {
     pub cancelled: bool,
     /// Counts what was taken.
     pub count: u64,
+    /// Places in `diagnostics` by node, and by every instance that a node stands in.
+    of: HashMap<String, Vec<u32>>,
     revision: u64,
     stage: Option<Stage>,
 }
@@ -93,11 +95,24 @@ impl Results {
             }
         }
         self.diagnostics.sort_by(|a, b| b.severity.cmp(&a.severity).then_with(|| a.node.cmp(&b.node)));
+        self.index();
         if done.stage == Stage::All {
             self.files = done.files;
         }
         self.values = done.values;
         self.drawings = done.drawings;
+    }
+
+    /// Notes which diagnostics are said of which node, since the canvas asks for every node at every frame.
+    fn index(&mut self) {
+        self.of.clear();
+        for (i, diagnostic) in self.diagnostics.iter().enumerate() {
+            let Some(node) = diagnostic.node.as_deref() else { continue };
+            let ends = node.match_indices('/').map(|(at, _)| at).chain([node.len()]);
+            for path in ends.filter_map(|end| node.get(..end)) {
+                self.of.entry(path.to_owned()).or_default().push(i as u32);
+            }
+        }
     }
 
     /// What is inside an instance counts for the instance.
@@ -119,18 +134,19 @@ impl Results {
         self.revision == sent && self.stage == Some(Stage::All)
     }
 
-    /// All that is said of a node, or of what is inside an instance, the worst first. O(diagnostics).
-    pub fn of_node<'a, 'b>(&'a self, id: &'b str) -> impl Iterator<Item = &'a Diagnostic> + use<'a, 'b> {
-        let own = move |node: &str| node.strip_prefix(id).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
-        self.diagnostics.iter().filter(move |d| d.node.as_deref().is_some_and(own))
+    fn places(&self, id: &str) -> &[u32] {
+        self.of.get(id).map_or(&[], Vec::as_slice)
     }
 
-    /// The worst that is said of a node, and how many things are said of it. O(diagnostics).
+    /// All that is said of a node, or of what is inside an instance, the worst first. O(what is said of it).
+    pub fn of_node<'a>(&'a self, id: &str) -> impl Iterator<Item = &'a Diagnostic> + use<'a> {
+        self.places(id).iter().filter_map(|i| self.diagnostics.get(*i as usize))
+    }
+
+    /// The worst that is said of a node, and how many things are said of it. O(1).
     #[must_use]
     pub fn worst(&self, id: &str) -> Option<(&Diagnostic, usize)> {
-        let mut all = self.of_node(id);
-        let first = all.next()?;
-        Some((first, 1 + all.count()))
+        Some((self.of_node(id).next()?, self.places(id).len()))
     }
 
     /// Numbers of errors and warnings.

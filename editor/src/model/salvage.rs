@@ -3,7 +3,7 @@
 
 use super::Model;
 use serde_json::{Map, Value, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tenon_engine::{Diagnostic, Document};
 use tenon_nodes::host::graph::{self, GraphError};
 
@@ -14,8 +14,37 @@ pub struct Salvaged {
     pub document: Document,
     /// Nodes that could be read.
     pub kept: usize,
-    /// Nodes that could not, by id.
-    pub lost: Vec<String>,
+    /// Nodes that could not, by id, with the reason.
+    pub lost: Vec<(String, String)>,
+}
+
+/// What of a graph that is open could not be read from its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Lost {
+    /// The file.
+    pub file: PathBuf,
+    /// Nodes that could be read.
+    pub kept: usize,
+    /// Nodes that could not, by id, with the reason.
+    pub nodes: Vec<(String, String)>,
+    /// What is wrong with the file as a whole.
+    pub why: String,
+}
+
+impl Lost {
+    /// The line that is told of it.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let lost = match self.nodes.as_slice() {
+            [] => String::new(),
+            all => {
+                let ids: Vec<&str> = all.iter().map(|(id, _)| id.as_str()).take(12).collect();
+                let more = if all.len() > ids.len() { " …" } else { "" };
+                format!(", not {} others: {}{more}", all.len(), ids.join(", "))
+            }
+        };
+        format!("{} nodes of {} could be read{lost}", self.kept, self.file.display())
+    }
 }
 
 /// A text of JSON that ends too early or goes wrong somewhere, as far as whole values go. O(text).
@@ -82,8 +111,9 @@ fn graph_of(nodes: &Map<String, Value>, others: &Map<String, Value>) -> Value {
     Value::Object(graph)
 }
 
-fn read(graph: &Value) -> Option<Document> {
-    Document::from_slice(graph.to_string().as_bytes()).ok()
+fn read(graph: &Value) -> Result<Document, String> {
+    let wrong = |all: Vec<Diagnostic>| all.into_iter().next().map_or_else(String::new, |d| d.message);
+    Document::from_slice(graph.to_string().as_bytes()).map_err(wrong)
 }
 
 /// What can be read of a graph's text; `None` if not a single node can. O(nodes · text) at worst.
@@ -95,8 +125,8 @@ pub fn salvage(text: &str) -> Option<Salvaged> {
     for (id, node) in file.get("nodes")?.as_object()? {
         let alone: Map<String, Value> = [(id.clone(), node.clone())].into_iter().collect();
         match read(&graph_of(&alone, &Map::new())) {
-            Some(_) => drop(kept.insert(id.clone(), node.clone())),
-            None => lost.push(id.clone()),
+            Ok(_) => drop(kept.insert(id.clone(), node.clone())),
+            Err(why) => lost.push((id.clone(), why)),
         }
     }
     if kept.is_empty() {
@@ -106,11 +136,11 @@ pub fn salvage(text: &str) -> Option<Salvaged> {
     let mut others = Map::new();
     for (key, value) in file.iter().filter(|(k, _)| !matches!(k.as_str(), "format" | "version" | "nodes")) {
         others.insert(key.clone(), value.clone());
-        if read(&graph_of(&kept, &others)).is_none() {
+        if read(&graph_of(&kept, &others)).is_err() {
             others.remove(key);
         }
     }
-    let document = read(&graph_of(&kept, &others))?;
+    let document = read(&graph_of(&kept, &others)).ok()?;
     Some(Salvaged { document, kept: kept.len(), lost })
 }
 
@@ -120,17 +150,26 @@ impl Model {
         let GraphError::NotAGraph { file, .. } = why else { return false };
         let bytes = graph::read(file).unwrap_or_default();
         let Some(found) = salvage(&String::from_utf8_lossy(&bytes)) else { return false };
-        let lost = match found.lost.len() {
-            0 => String::new(),
-            n => format!(", not {n} others: {}", found.lost.join(", ")),
-        };
         self.take(found.document, None);
         // It is no file's content, so that it counts as unsaved.
         self.saved = Default::default();
-        let message = format!("{} nodes of {} could be read{lost}", found.kept, path.display());
-        let hint = format!("the file stays as it is; save under another name. {}", why.diagnostic().message);
-        self.message = Some(Diagnostic::error("salvaged", message).hint(hint));
+        let why = why.diagnostic().message;
+        let lost = Lost { file: path.to_owned(), kept: found.kept, nodes: found.lost, why };
+        let hint = format!("the file stays as it is; save under another name. {}", lost.why);
+        self.message = Some(Diagnostic::error("salvaged", lost.words()).hint(hint));
+        self.lost = Some(lost);
         true
+    }
+
+    /// What of the graph could not be read from its file, until it is put away or another graph is opened.
+    #[must_use]
+    pub fn lost(&self) -> Option<&Lost> {
+        self.lost.as_ref()
+    }
+
+    /// Puts away what is told of it.
+    pub fn put_lost_away(&mut self) {
+        self.lost = None;
     }
 }
 
@@ -161,7 +200,8 @@ mod tests {
     fn nodes_that_make_no_sense_are_named_and_left_out() {
         let text = GOOD.replace("\"type\": \"number\"", "\"type\": 7");
         let found = salvage(&text).unwrap();
-        assert_eq!((found.kept, found.lost), (1, vec!["a".to_owned()]));
+        assert_eq!((found.kept, found.lost.len(), found.lost[0].0.as_str()), (1, 1, "a"));
+        assert!(!found.lost[0].1.is_empty());
         assert!(found.document.nodes().contains_key("b"));
     }
 }

@@ -16,6 +16,9 @@ use tenon_engine::{
 /// What is shown may take this long before a new edit stops it.
 const PATIENCE: Duration = Duration::from_millis(500);
 
+/// How long the end of the window waits for that of the evaluation.
+const FAREWELL: Duration = Duration::from_millis(100);
+
 /// Memory for remembered results, bytes.
 const CACHE: usize = 1 << 30;
 
@@ -84,7 +87,7 @@ impl Shared {
     }
 }
 
-/// The thread that evaluates. It ends when this is dropped.
+/// The thread that evaluates. It is told to end when this is dropped.
 pub struct Worker {
     requests: Option<Sender<Request>>,
     updates: Receiver<Update>,
@@ -194,9 +197,11 @@ impl Drop for Worker {
     fn drop(&mut self) {
         self.requests = None;
         self.cancel();
-        if let Some(thread) = self.thread.take() {
-            // A panic there has nothing left to spoil here.
-            let _ = thread.join();
+        // A node that does not look whether it is to stop must not hold the window: it ends when it is done, or with the
+        // program.
+        let until = Instant::now() + FAREWELL;
+        while self.thread.as_ref().is_some_and(|t| !t.is_finished()) && Instant::now() < until {
+            std::thread::sleep(Duration::from_millis(1));
         }
     }
 }
@@ -390,4 +395,35 @@ impl Evaluator {
 /// Whether an operation may change what clusters look like.
 pub(super) fn touches_clusters(operation: &Operation) -> bool {
     operation.parts().any(|o| matches!(o, Operation::SetCluster { .. } | Operation::InCluster { .. }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tenon_engine::{NoHost, Port};
+
+    #[test]
+    fn the_end_of_the_window_waits_for_no_node() {
+        let mut registry = tenon_nodes::registry();
+        let (begun, begins) = channel();
+        let begun = Mutex::new(begun);
+        // It never looks whether it is to stop.
+        let deaf = NodeType::new("deaf", 1).input(Port::item::<f64>("a").default(0.0)).output(Port::item::<f64>("b"));
+        let deaf = deaf.slow().run(move |c| {
+            let _ = begun.lock().unwrap_or_else(PoisonError::into_inner).send(());
+            std::thread::sleep(Duration::from_secs(20));
+            c.set("b", 1.0);
+            Ok(())
+        });
+        registry.register(deaf).unwrap();
+        let registry = Arc::new(registry);
+        let mut document = Document::new();
+        Operation::AddNode { id: "n".into(), node: Box::new(Node::new("deaf")) }.apply(&mut document).unwrap();
+        let mut worker = Worker::start(registry.clone(), || {}).unwrap();
+        worker.open(registry, document, Arc::new(NoHost));
+        begins.recv_timeout(Duration::from_secs(10)).unwrap();
+        let start = Instant::now();
+        drop(worker);
+        assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+    }
 }

@@ -1,6 +1,7 @@
 //! Choosing a file or a folder: entries as a list, and a path that can be typed. Needs nothing of the desktop.
 
 use crate::model::file::ENDING;
+use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{Key, RichText, ScrollArea, TextEdit, Ui, Window};
 use std::path::{Path, PathBuf};
 
@@ -60,6 +61,30 @@ impl Browse {
             Self::Input { .. } | Self::Export => &[],
         }
     }
+
+    /// The folder to begin in and the name that is proposed, near a graph's file if there is one.
+    #[must_use]
+    pub fn proposed(&self, near: Option<&Path>) -> (PathBuf, String) {
+        let here = || std::env::current_dir().unwrap_or_default();
+        let folder =
+            near.and_then(Path::parent).filter(|f| !f.as_os_str().is_empty()).map_or_else(here, Path::to_owned);
+        let name = match (self, near.and_then(Path::file_name).and_then(|n| n.to_str())) {
+            (Self::Save, Some(name)) => name.to_owned(),
+            (Self::Save, None) => format!("new{ENDING}"),
+            (Self::Picture, Some(name)) => format!("{}.png", name.strip_suffix(ENDING).unwrap_or(name)),
+            (Self::Picture, None) => "viewport.png".to_owned(),
+            (Self::Export, _) => "out".to_owned(),
+            _ => String::new(),
+        };
+        (folder, name)
+    }
+
+    /// A path to be written, with the ending that it lacks.
+    #[must_use]
+    pub fn with_ending(&self, path: PathBuf) -> PathBuf {
+        let ending = self.endings().first().copied().unwrap_or_default();
+        if path.extension().is_none() { PathBuf::from(format!("{}{ending}", path.display())) } else { path }
+    }
 }
 
 /// What came of a frame.
@@ -83,24 +108,17 @@ pub struct Browser {
     error: Option<String>,
     /// A file of that name is there and may be written over.
     over: Option<PathBuf>,
+    /// It was shown.
+    begun: bool,
 }
 
 impl Browser {
     /// Opens at the folder of a graph, or where the program was started.
     #[must_use]
     pub fn new(what: Browse, near: Option<&Path>) -> Self {
-        let here = || std::env::current_dir().unwrap_or_default();
-        let folder = near.and_then(Path::parent).map_or_else(here, Path::to_owned);
+        let (folder, name) = what.proposed(near);
         let folder = folder.canonicalize().unwrap_or(folder);
-        let name = match (&what, near.and_then(Path::file_name).and_then(|n| n.to_str())) {
-            (Browse::Save, Some(name)) => name.to_owned(),
-            (Browse::Save, None) => format!("new{ENDING}"),
-            (Browse::Picture, Some(name)) => format!("{}.png", name.strip_suffix(ENDING).unwrap_or(name)),
-            (Browse::Picture, None) => "viewport.png".to_owned(),
-            (Browse::Export, _) => "out".to_owned(),
-            _ => String::new(),
-        };
-        let mut browser = Self { what, folder, name, entries: Vec::new(), error: None, over: None };
+        let mut browser = Self { what, folder, name, entries: Vec::new(), error: None, over: None, begun: false };
         browser.read();
         browser
     }
@@ -156,6 +174,14 @@ impl Browser {
             });
             ui.horizontal(|ui| {
                 let field = ui.add(TextEdit::singleline(&mut self.name).desired_width(300.0).hint_text("file or path"));
+                if !std::mem::replace(&mut self.begun, true) {
+                    // So that a path can be typed at once, over the name that is proposed.
+                    field.request_focus();
+                    let mut state = TextEdit::load_state(ui.ctx(), field.id).unwrap_or_default();
+                    let end = CCursor::new(self.name.chars().count());
+                    state.cursor.set_char_range(Some(CCursorRange::two(CCursor::new(0), end)));
+                    state.store(ui.ctx(), field.id);
+                }
                 let enter = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
                 let words = if self.over.is_some() { "Write over it" } else { verb };
                 if ui.button(words).clicked() || enter {
@@ -191,8 +217,7 @@ impl Browser {
             }
             return Chosen::Path(path);
         }
-        let ending = self.what.endings().first().copied().unwrap_or_default();
-        let path = if path.extension().is_none() { PathBuf::from(format!("{}{ending}", path.display())) } else { path };
+        let path = self.what.with_ending(path);
         if path.exists() && self.over.as_ref() != Some(&path) {
             self.error = Some(format!("{} is there already", path.display()));
             self.over = Some(path);

@@ -66,6 +66,8 @@ pub struct Wanted {
     pub(super) needs: BTreeMap<String, Result<Need, String>>,
     /// Ids of plugins that are to run apart; `all` means each.
     apart: Vec<String>,
+    /// The program that becomes their processes.
+    host: Option<PathBuf>,
 }
 
 impl Wanted {
@@ -78,7 +80,16 @@ impl Wanted {
         Self {
             needs: requires.iter().map(|(id, json)| (id.clone(), Need::read(json))).collect(),
             apart: apart.iter().cloned().chain(policy).collect(),
+            host: None,
         }
+    }
+
+    /// The same with another program than `tenon` for processes of plugins, which is called in the same way:
+    /// `PROGRAM plugin host LIBRARY BYTES`. What [`HOST`] names goes before it.
+    #[must_use]
+    pub fn hosted_by(mut self, program: Option<PathBuf>) -> Self {
+        self.host = program;
+        self
     }
 
     /// The limits of a plugin that is to run apart.
@@ -94,7 +105,8 @@ impl Wanted {
         if self.apart.is_empty() && !self.needs.values().flatten().any(|need| need.apart) {
             return Plugin::load(path);
         }
-        let program = program().map_err(|why| LoadError { path: path.to_owned(), why: LoadFault::Process(why) })?;
+        let program = program(self.host.as_ref())
+            .map_err(|why| LoadError { path: path.to_owned(), why: LoadFault::Process(why) })?;
         let asked = apart::start(path, &program, Limits::default())?;
         match self.apart(&asked.id) {
             None => Plugin::load(path),
@@ -104,15 +116,15 @@ impl Wanted {
     }
 }
 
-/// The program `tenon`: what [`HOST`] names, this program if it is that, or what stands beside it.
-fn program() -> Result<Program, String> {
+/// The program `tenon`: what [`HOST`] names, what the host said, this program if it is that, or what stands beside it.
+fn program(host: Option<&PathBuf>) -> Result<Program, String> {
     let named = env::var_os(HOST).map(PathBuf::from).filter(|p| p.is_absolute());
     let this = env::current_exe().ok();
     let beside = this.as_ref().map(|this| match this.file_stem().is_some_and(|name| name == "tenon") {
         true => this.clone(),
         false => this.with_file_name(format!("tenon{}", env::consts::EXE_SUFFIX)),
     });
-    let path = named.or(beside).filter(|path| path.is_file());
+    let path = named.or(host.cloned()).or(beside).filter(|path| path.is_file());
     let path = path.ok_or_else(|| {
         format!("to run it in a process of its own, the program tenon is needed, beside this one or named by {HOST}")
     })?;

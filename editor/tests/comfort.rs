@@ -1,0 +1,158 @@
+//! What a user prefers, what is told once, and windows of the desktop.
+
+use crate::common::{Window, folder, graph};
+use eframe::egui::{Key, Modifiers, Theme};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, mpsc};
+use std::time::{Duration, Instant};
+use tenon_editor::app::dialogs::Dialogs;
+use tenon_engine::Operation;
+
+const ONE: &str = r#"{ "format": "tenon", "version": 1, "nodes": { "a": { "type": "number", "v": 1 } } }"#;
+
+fn opened(name: &str) -> (Window, PathBuf) {
+    let state = folder(&format!("{name}-state"));
+    let mut w = Window::open(Some(&graph(name, ONE)));
+    let ctx = w.harness.ctx.clone();
+    w.app().remember_in(&ctx, Some(state.clone()));
+    w.steps(3);
+    (w, state)
+}
+
+fn choose(w: &mut Window, menu: &str, item: &str) {
+    w.click(w.rect(menu).center());
+    w.click(w.rect(item).center());
+    w.key(Modifiers::NONE, Key::Escape);
+    w.steps(4);
+}
+
+#[test]
+fn theme_and_scale_are_taken_at_once_and_kept() {
+    let (mut w, state) = opened("comfort");
+    for (words, theme) in [("Light", Theme::Light), ("Dark", Theme::Dark)] {
+        choose(&mut w, "View", words);
+        assert_eq!(w.harness.ctx.theme(), theme);
+    }
+    let before = w.rect("File");
+    choose(&mut w, "View", "125 %");
+    assert!((w.harness.ctx.zoom_factor() - 1.25).abs() < 1e-6);
+    let after = w.rect("File");
+    assert!((after.height() - before.height()).abs() < 2.0, "points stay points: {before} {after}");
+    let kept = std::fs::read_to_string(state.join("preferences.json")).unwrap();
+    assert!(kept.contains("\"dark\"") && kept.contains("1.25"), "{kept}");
+    let mut again = Window::open(None);
+    let ctx = again.harness.ctx.clone();
+    again.app().remember_in(&ctx, Some(state));
+    again.steps(2);
+    assert_eq!(ctx.theme(), Theme::Dark);
+    assert!((ctx.zoom_factor() - 1.25).abs() < 1e-6);
+}
+
+#[test]
+fn f1_shows_the_keys_and_puts_them_away() {
+    let (mut w, _) = opened("keys");
+    assert!(!w.has("Keys"));
+    w.key(Modifiers::NONE, Key::F1);
+    assert!(w.has("Keys"));
+    w.picture("keys");
+    w.key(Modifiers::NONE, Key::F1);
+    assert!(!w.has("Keys"));
+}
+
+#[test]
+fn that_the_processor_draws_is_told_once() {
+    let (mut w, state) = opened("software");
+    let told = "No graphics card was found: the processor draws. Large models turn slowly.";
+    assert!(w.has(told), "these tests are drawn by Mesa's software adapter");
+    w.picture("software");
+    w.click(w.rect("I see").center());
+    assert!(!w.has(told));
+    let mut again = Window::open(None);
+    let ctx = again.harness.ctx.clone();
+    again.app().remember_in(&ctx, Some(state));
+    again.steps(2);
+    assert!(!again.has(told));
+}
+
+#[test]
+fn the_desktop_is_asked_for_files_beside_the_window() {
+    let (mut w, _) = opened("desktop");
+    let path = folder("desktop-out").join("saved");
+    let (go, gone) = mpsc::channel::<()>();
+    let gone = Mutex::new(gone);
+    let (answer, asked) = (path.clone(), Arc::new(AtomicUsize::new(0)));
+    let count = asked.clone();
+    w.app().dialogs = Dialogs::answered_by(move |wish| {
+        count.fetch_add(1, Ordering::SeqCst);
+        assert!(wish.name.ends_with(".tenon.json"), "a name is proposed: {}", wish.name);
+        gone.lock().unwrap().recv().unwrap();
+        Some(answer.clone())
+    });
+    w.key(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    assert!(!w.has("Save the graph"), "the window's own is not shown");
+    // While it is open the window goes on, and no second one is opened.
+    let add = w.app().model.new_node("number", [0.0, 0.0]).1;
+    assert!(w.app().model.edit(add));
+    w.key(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    w.steps(5);
+    go.send(()).unwrap();
+    let path = path.with_file_name("saved.tenon.json");
+    let start = Instant::now();
+    while !path.exists() {
+        assert!(start.elapsed() < Duration::from_secs(30), "the answer is never taken");
+        std::thread::sleep(Duration::from_millis(5));
+        w.steps(1);
+    }
+    assert_eq!(asked.load(Ordering::SeqCst), 1);
+    assert!(std::fs::read_to_string(&path).unwrap().contains("number"));
+    assert_eq!(w.app().model.path(), Some(&*path));
+}
+
+#[test]
+fn where_no_desktop_answers_the_windows_own_browser_does() {
+    let (mut w, _) = opened("nobody");
+    w.app().dialogs = Dialogs::answered_by(|_| None);
+    w.key(Modifiers::COMMAND, Key::O);
+    let start = Instant::now();
+    while !w.has("Open a graph") {
+        assert!(start.elapsed() < Duration::from_secs(30), "it never comes");
+        std::thread::sleep(Duration::from_millis(5));
+        w.steps(1);
+    }
+    assert!(!w.app().dialogs.are_there(), "it is not asked again");
+    w.click(w.rect("View").center());
+    assert!(w.has("File windows of the desktop"), "the preference says so");
+}
+
+/// A plugin that ends its process by a segmentation fault, compiled here.
+fn misbehaving() -> PathBuf {
+    let sdk = crate::common::root().join("plugin-sdk");
+    let library = folder("misbehaving").join("misbehaving").with_extension(std::env::consts::DLL_EXTENSION);
+    let mut cc = std::process::Command::new("cc");
+    cc.args(["-std=c11", "-shared", "-fPIC", "-pthread", "-DLOADABLE", "-I"]).arg(sdk.join("include"));
+    let done = cc.arg(sdk.join("examples/misbehaving-c/misbehaving.c")).arg("-o").arg(&library).arg("-lm").output();
+    let done = done.unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    library
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_plugin_that_crashes_leaves_the_window() {
+    let (mut w, _) = opened("crash");
+    w.app().model.host_plugins_by(Some(env!("CARGO_BIN_EXE_tenon-editor").into()));
+    w.app().model.load_plugins(&[misbehaving()], &[]).unwrap();
+    let (id, add) = w.app().model.new_node("misbehaving.doomed", [0.0, 0.0]);
+    let set = |x: i32| Operation::SetParam { node: id.clone(), port: "x".into(), value: Some(x.into()) };
+    assert!(w.app().model.edit(Operation::All(vec![add, set(101)])));
+    w.settle();
+    let told: Vec<String> = w.app().model.results.of_node(&id).map(|d| d.message.clone()).collect();
+    assert!(told.iter().any(|m| m.contains("a segmentation fault")), "{told:?}");
+    w.picture("plugin-died");
+    // The next evaluation starts a new process.
+    assert!(w.app().model.edit(set(1)));
+    w.settle();
+    assert_eq!(w.app().model.results.of_node(&id).count(), 0);
+    assert!(w.app().model.results.values.contains_key(&format!("{id}.y")));
+}
