@@ -19,7 +19,7 @@ cargo xtask bench chain [CASE]...   measure the chain; one JSON line per figure 
 cargo xtask bench engine [NODES]... the engine beside its peers, at these sizes or at all
 cargo xtask bench abi [CASE]...     what it costs to cross to a plugin, and from a host
 cargo xtask bench cancel [CASE]...  how long jobs go on after they were told to stop; FILE.obj is planarized
-cargo xtask bench editor            what the editor's window costs, without a screen
+cargo xtask bench editor            what the editor's window costs
 cargo xtask dist [--no-editor]      lay out target/dist as it is installed
 cargo xtask docs [--check]          write docs/nodes.md and the codes of docs/diagnostics.md, or only compare
 cargo xtask picture                  draw docs/shell-256.svg from graphs/shell-256
