@@ -59,23 +59,37 @@ class Hand:
         return False
 
     def fold(self, id):
+        """Folds a node's inputs again, and sees that they are."""
+        w, row = self.w, f"inputs of {id}"
+        # Clicks with Ctrl have taken it out of what is selected, and so from above the others.
+        w.click(w.middle(f"node {id}"))
+        was = w.rect(row)
+        w.click(w.middle(row))
+        # Where all inputs have values of their own, nothing is left to be unfolded.
+        w.until(lambda: [there["at"] for there in w.widgets(row)] != [was], f"{id} is folded")
+
+    def steady(self, name, before):
+        """Where the first widget of a name stands that was not there before, once it moves no more; none if there is none."""
         w = self.w
-        if w.has(f"inputs of {id}"):
-            w.click(w.middle(f"inputs of {id}"))
+        while True:
+            w.calm()
+            new = [there["at"] for there in w.widgets(name) if there["at"] not in before]
+            w.calm()
+            if not new or new[0] in [there["at"] for there in w.widgets(name)]:
+                return new[0] if new else None
 
     def set(self, id, port, value):
         """Chooses a value from a list where it is offered, and types it otherwise."""
         w = self.w
         unfolded = self.show_input(id, port)
         at = w.middle(f"input {id}.{port}")
-        offered = []
+        offered = None
         if isinstance(value, str):
             before = [there["at"] for there in w.widgets(value)]
             w.click(at)
-            w.calm()
-            offered = [there["at"] for there in w.widgets(value) if there["at"] not in before]
+            offered = self.steady(value, before)
         if offered:
-            x0, y0, x1, y1 = offered[0]
+            x0, y0, x1, y1 = offered
             w.click(((x0 + x1) / 2, (y0 + y1) / 2))
             w.calm()
         else:
@@ -109,6 +123,28 @@ class Hand:
             for port, wires in node.get("inputs", {}).items():
                 for source in wires["from"]:
                     self.wire(source, id, port)
+
+    def mend(self, graph, saved):
+        """Does again what a saved graph shows to have missed its aim, as people do who look at what they have done. How many
+        things that were."""
+        count = 0
+        for id, node in graph["nodes"].items():
+            there = saved["nodes"].get(id, {})
+            for port in there.get("params", {}).keys() - node.get("params", {}).keys():
+                # Nothing typed is the default again.
+                self.set(id, port, "")
+                count += 1
+            for port, value in node.get("params", {}).items():
+                if there.get("params", {}).get(port, value) != value:
+                    self.set(id, port, value)
+                    count += 1
+            for port, wires in node.get("inputs", {}).items():
+                drawn = there.get("inputs", {}).get(port, {"from": []})["from"]
+                for source in wires["from"]:
+                    if source not in drawn:
+                        self.wire(source, id, port)
+                        count += 1
+        return count
 
     def save_as(self, path):
         """Saves by the keyboard alone."""

@@ -203,7 +203,10 @@ class Window:
         """Waits for a field that has the keyboard and types over all that stands there, until it stands there."""
         self.until(lambda: self.typed() is not None, f"a field for {text}")
         self.key("ctrl+a")
-        self.xdotool("type", "--delay", "1", "--", text)
+        if text:
+            self.xdotool("type", "--delay", "1", "--", text)
+        else:
+            self.key("BackSpace")
         self.until(lambda: self.typed() == text, f"{text} stands in the field")
 
     # How it ends.
