@@ -56,10 +56,9 @@ fn worked_out() -> String {
                 (end, most) = (at + size, most.max(align));
             } else if let Some((kind, alias)) =
                 line.strip_prefix("typedef ").and_then(|r| r.strip_suffix(';')?.split_once(' '))
+                && let Some(known) = types.get(kind).copied()
             {
-                if let Some(known) = types.get(kind).copied() {
-                    types.insert(alias.to_owned(), known);
-                }
+                types.insert(alias.to_owned(), known);
             }
         }
     }

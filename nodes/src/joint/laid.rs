@@ -13,8 +13,11 @@ use tenon_geometry::panel::{EdgeRef, PanelSet};
 use tenon_plugin::abi::value::{tenon_edge, tenon_edge_pair};
 use tenon_plugin::author::{Call, Fail, Node, Plugin, Port};
 
+/// Makes the port of a name.
+type Make = fn(&'static str) -> Port;
+
 /// What it takes besides what every fastener gets. What they mean stands at the ports of `detail`.
-const INPUTS: [(&str, fn(&'static str) -> Port); 16] = [
+const INPUTS: [(&str, Make); 16] = [
     ("kind", Port::text),
     ("head", Port::text),
     ("spacing", Port::number),
