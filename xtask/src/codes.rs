@@ -60,6 +60,7 @@ mod tests {
         "g-code",
         "linuxcnc-xyzbc",
         "maka-mm7s",
+        "plugin-sdk",
         "tenon-expectations",
         "tenon-layout",
         "tenon-live",

@@ -32,6 +32,8 @@ struct Outputs<'a> {
     infinite: bool,
     faults: Vec<String>,
     messages: Vec<Message>,
+    /// What looking at the outputs has taken, which is not the plugin's.
+    own: Duration,
 }
 
 fn kind(items: &Items<'_>) -> tenon_kind {
@@ -109,7 +111,10 @@ impl Outputs<'_> {
 
 impl Sink for Outputs<'_> {
     fn set(&mut self, output: u32, value: Vec<Branch<'_>>) -> Result<(), String> {
-        self.take(output, &value)
+        let start = Instant::now();
+        let taken = self.take(output, &value);
+        self.own += start.elapsed();
+        taken
     }
     fn forward(&mut self, output: u32, input: u32) -> Result<(), String> {
         let inputs = self.inputs;
@@ -144,6 +149,7 @@ fn run_with(node: &PluginNode, inputs: &Inputs, wish: Wish) -> Ran {
         infinite: false,
         faults: Vec::new(),
         messages: Vec::new(),
+        own: Duration::ZERO,
     };
     let (polls, progress) = (AtomicU64::new(0), Mutex::new(Vec::new()));
     let began = Instant::now();
@@ -163,7 +169,7 @@ fn run_with(node: &PluginNode, inputs: &Inputs, wish: Wish) -> Ran {
     }
     let start = Instant::now();
     let end = node.evaluate_views(&views, watch, &mut sink);
-    let time = start.elapsed();
+    let time = start.elapsed() - sink.own;
     let (outputs, infinite, faults, messages) = (sink.outputs, sink.infinite, sink.faults, sink.messages);
     Ran { end, outputs, infinite, faults, messages, progress: progress.into_inner().unwrap_or_default(), time }
 }
