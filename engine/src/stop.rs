@@ -99,9 +99,14 @@ impl<I: Iterator> Stoppable for I {}
 
 /// Drops a list, a long or large one on another thread.
 pub(crate) fn let_go<T: Send + 'static>(list: Vec<T>) {
-    if (list.len() > LONG && std::mem::needs_drop::<T>()) || size_of_val(list.as_slice()) > LARGE {
-        // Where there is no thread to be had, the list is dropped with the closure.
-        let _ = std::thread::Builder::new().name("tenon drop".into()).spawn(move || drop(list));
+    drop_beside::<T>(list.len(), list);
+}
+
+/// Drops what holds so many items.
+pub(crate) fn drop_beside<T>(count: usize, items: impl Send + 'static) {
+    if (count > LONG && std::mem::needs_drop::<T>()) || count * size_of::<T>() > LARGE {
+        // Where there is no thread to be had, it is dropped with the closure.
+        let _ = std::thread::Builder::new().name("tenon drop".into()).spawn(move || drop(items));
     }
 }
 
@@ -146,7 +151,8 @@ impl<T: Send + 'static> Iterator for Each<T> {
 
 impl<T: Send + 'static> Drop for Each<T> {
     fn drop(&mut self) {
-        let_go(std::mem::take(&mut self.0).collect());
+        let rest = std::mem::take(&mut self.0);
+        drop_beside::<T>(rest.len(), rest);
     }
 }
 

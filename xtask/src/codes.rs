@@ -54,7 +54,7 @@ mod tests {
     use std::path::Path;
 
     /// Words with hyphens in the source that are no codes: names of formats, machines, schemes, states.
-    const NO_CODES: [&str; 9] = [
+    const NO_CODES: [&str; 10] = [
         "b-spline",
         "cut-off",
         "g-code",

@@ -1,14 +1,14 @@
 //! Matching: which items meet in which lane, and one node run over all its lanes.
 //! A lane that fails leaves a gap at its index in every output; item i never meets item i+1's partner.
 
-use super::output::{Output, Pieces, alone, join};
+use super::output::{Output, Pieces, alone};
+use super::pieces::{Done, Piece, gather};
 use crate::call::{Call, MOST_ITEMS, Monitor, too_many};
 use crate::diagnostic::{Fail, Severity};
 use crate::port::{Access, Port};
 use crate::registry::NodeType;
 use crate::stop::{self, Pending, Stoppable, Ticker};
 use crate::value::{Column, Path, Tree};
-use rayon::prelude::*;
 use smallvec::SmallVec;
 use std::any::Any;
 use std::borrow::Cow;
@@ -108,23 +108,10 @@ impl Outcome {
     }
 }
 
-/// All branches. What arrives at their ports stands in one list: a million branches are three allocations.
-struct Branches<'a> {
-    list: Vec<Branch<'a>>,
-    args: Vec<Arg<'a>>,
-    ports: usize,
-}
-
-struct Branch<'a> {
-    path: &'a Path,
-    lanes: Lanes,
-}
-
-impl<'a> Branches<'a> {
-    /// What arrives at each port in branch `b`.
-    fn args(&self, b: usize) -> &[Arg<'a>] {
-        &self.args[b * self.ports..(b + 1) * self.ports]
-    }
+/// What arrives at the ports in a branch is looked up when it runs: for a million branches it would fill the memory.
+pub(super) struct Branch<'a> {
+    pub path: &'a Path,
+    pub lanes: Lanes,
 }
 
 /// The most lanes all branches together may have.
@@ -161,15 +148,15 @@ pub(crate) fn run(
             return Outcome::failure(reports);
         }
     };
-    if let [branch] = branches.list.as_slice()
+    if let [branch] = branches.as_slice()
         && branch.lanes.count == 1
     {
-        return run_alone(node_type, branch, branches.args(0), monitor, reports);
+        return run_alone(node_type, branch, &arriving(node_type, &inputs, matching, 0).0, monitor, reports);
     }
-    let few = branches.list.iter().stoppable().map(|b| b.lanes.count).sum::<usize>() > MANY_LANES;
+    let few = branches.iter().stoppable().map(|b| b.lanes.count).sum::<usize>() > MANY_LANES;
     let most_faults = if few { FEW_FAULTS } else { usize::MAX };
-    let mut pieces: Vec<(usize, usize, usize)> = Vec::with_capacity(branches.list.len());
-    for (b, branch) in branches.list.iter().enumerate().stoppable() {
+    let mut pieces: Pending<(usize, usize, usize)> = Pending::new(Vec::with_capacity(branches.len()));
+    for (b, branch) in branches.iter().enumerate().stoppable() {
         let count = branch.lanes.count;
         let size = match (parallel, node_type.slow) {
             (false, _) => count,
@@ -182,31 +169,23 @@ pub(crate) fn run(
         pieces.extend((0..count.div_ceil(size)).map(|i| (b, i * size, ((i + 1) * size).min(count))));
     }
     let work = |&(b, from, to): &(usize, usize, usize)| {
-        if monitor.cancelled() {
-            return Piece { lanes: to - from, outputs: SmallVec::new(), lot: Lot::stopped() };
-        }
         let mut outputs: Pieces = node_type.outputs.iter().map(|_| Output::new(to - from)).collect();
-        let (args, lanes) = (branches.args(b), branches.list[b].lanes);
+        let (args, lanes) = arriving(node_type, &inputs, matching, b);
         let lot = stop::within(monitor.cancel, || {
-            let mut lot = run_lanes(node_type, args, lanes, from..to, &mut outputs, monitor, most_faults);
+            let mut lot = run_lanes(node_type, &args, lanes, from..to, &mut outputs, monitor, most_faults);
             lot.reports.shrink_to_fit();
             lot
         });
         Piece { lanes: to - from, outputs, lot: lot.unwrap_or_else(Lot::stopped) }
     };
-    let done: Vec<Piece> = if parallel && pieces.len() > 1 {
-        pieces.par_iter().map(work).collect()
-    } else {
-        pieces.iter().map(work).collect()
-    };
-    let done = Pending::new(done);
+    let done = Done::of(&pieces, parallel, work, &|| monitor.cancelled());
     let made = monitor.made.load(Ordering::Relaxed);
-    if made > MOST_ITEMS as u64 && !done.iter().any(|piece| piece.lot.cancelled) {
+    if made > MOST_ITEMS as u64 && !done.is_cut_short() {
         // Which lane was the last to fit is up to the threads.
         reports.push((Severity::Error, too_many(made)));
         return Outcome::failure(reports);
     }
-    gather(node_type, &branches.list, done, reports)
+    gather(node_type, &branches, done, reports)
 }
 
 /// One branch, one lane.
@@ -292,8 +271,7 @@ fn check(input: &mut Input<'_>, port: &Port, reports: &mut Vec<(Severity, Fail)>
     true
 }
 
-fn branches<'a>(node_type: &NodeType, inputs: &'a [Input<'a>], matching: Matching) -> Result<Branches<'a>, Fail> {
-    let ports = node_type.inputs.len();
+fn branches<'a>(node_type: &NodeType, inputs: &'a [Input<'a>], matching: Matching) -> Result<Vec<Branch<'a>>, Fail> {
     let matched = || {
         let ports = inputs.iter().zip(&node_type.inputs).filter(|(_, p)| p.access != Access::Tree);
         ports.filter_map(|(i, _)| i.tree.as_deref())
@@ -303,38 +281,40 @@ fn branches<'a>(node_type: &NodeType, inputs: &'a [Input<'a>], matching: Matchin
         Matching::Longest | Matching::Cross => matched().map(|t| t.branches().len()).max(),
     };
     let Some(count) = count else {
-        let args = inputs.iter().map(|i| i.tree.as_deref().map_or(Arg::Missing, Arg::Tree)).collect();
-        return Ok(Branches { list: vec![Branch { path: &ROOT, lanes: ALONE }], args, ports });
+        return Ok(vec![Branch { path: &ROOT, lanes: ALONE }]);
     };
     // The first port with the most branches names the paths.
     let longest = matched().map(|t| t.branches().len()).max().unwrap_or(0);
     let names = matched().find(|t| t.branches().len() == longest);
-    let mut all = Branches { list: Vec::with_capacity(count), args: Vec::with_capacity(count * ports), ports };
+    let mut all = Vec::with_capacity(count);
     let mut sum = 0usize;
     let ticker = Ticker::new();
     for b in 0..count {
         ticker.tick();
         let path = names.and_then(|t| t.branches().get(b)).map_or(&ROOT, |(p, _)| p);
-        let lanes = branch(node_type, inputs, matching, b, &mut all.args)?;
+        let (_, lanes) = arriving(node_type, inputs, matching, b);
+        if lanes.count > MOST_LANES {
+            let message = format!("the inputs cross to {} runs; the most is {MOST_LANES}", lanes.count);
+            return Err(Fail::new("too-many-lanes", message));
+        }
         sum = sum.saturating_add(lanes.count);
         if sum > MOST_LANES {
             let message = format!("{} of {count} branches come to {sum} runs; the most is {MOST_LANES}", b + 1);
             return Err(Fail::new("too-many-lanes", message));
         }
-        all.list.push(Branch { path, lanes });
+        all.push(Branch { path, lanes });
     }
     Ok(all)
 }
 
-/// The lanes of branch `b`; what arrives at its ports goes behind `args`.
-fn branch<'a>(
+/// What arrives at each port in branch `b`, and how many lanes that makes. O(ports).
+fn arriving<'a>(
     node_type: &NodeType,
     inputs: &'a [Input<'a>],
     matching: Matching,
     b: usize,
-    args: &mut Vec<Arg<'a>>,
-) -> Result<Lanes, Fail> {
-    let first = args.len();
+) -> (SmallVec<[Arg<'a>; 6]>, Lanes) {
+    let mut args = SmallVec::with_capacity(inputs.len());
     let (mut longest, mut shortest, mut any) = (0, usize::MAX, false);
     for (input, port) in inputs.iter().zip(&node_type.inputs) {
         let Some(tree) = input.tree.as_deref() else {
@@ -370,7 +350,7 @@ fn branch<'a>(
         Matching::Shortest => shortest,
         Matching::Cross => {
             let mut stride = 1usize;
-            for arg in args[first..].iter_mut().rev() {
+            for arg in args.iter_mut().rev() {
                 if let Arg::Item(_, rule) = arg {
                     rule.stride = stride;
                     stride = stride.saturating_mul(rule.len);
@@ -379,22 +359,18 @@ fn branch<'a>(
             stride
         }
     };
-    if count > MOST_LANES {
-        let message = format!("the inputs cross to {count} runs; the most is {MOST_LANES}");
-        return Err(Fail::new("too-many-lanes", message));
-    }
-    Ok(Lanes { count, cross })
+    (args, Lanes { count, cross })
 }
 
 /// How a piece of the lanes went.
 pub(super) struct Lot {
-    reports: Vec<(Severity, Fail)>,
+    pub reports: Vec<(Severity, Fail)>,
     /// Reports that are left out because there are too many.
-    untold: usize,
-    good: usize,
-    bad: usize,
-    cancelled: bool,
-    panicked: bool,
+    pub untold: usize,
+    pub good: usize,
+    pub bad: usize,
+    pub cancelled: bool,
+    pub panicked: bool,
 }
 
 impl Lot {
@@ -415,13 +391,6 @@ impl Lot {
     fn stopped() -> Self {
         Self { reports: Vec::new(), untold: 0, good: 0, bad: 0, cancelled: true, panicked: false }
     }
-}
-
-/// A piece of the lanes of one branch and what it has set.
-struct Piece {
-    lanes: usize,
-    outputs: Pieces,
-    lot: Lot,
 }
 
 /// Runs the node in the lane at which `call` stands; an error with whether it was a panic.
@@ -517,56 +486,4 @@ pub(super) fn run_lanes(
     untold += reports.len().saturating_sub(most);
     reports.truncate(most);
     Lot { reports, untold, good, bad, cancelled, panicked }
-}
-
-/// Puts the pieces together: branches in their order, in each the lanes in theirs.
-fn gather(
-    node_type: &NodeType,
-    branches: &[Branch<'_>],
-    mut done: Pending<Piece>,
-    mut reports: Vec<(Severity, Fail)>,
-) -> Outcome {
-    if done.iter().any(|piece| piece.lot.cancelled) {
-        // What they have is not worth putting together.
-        let panicked = done.iter().any(|piece| piece.lot.panicked);
-        done.iter_mut().for_each(|piece| reports.append(&mut piece.lot.reports));
-        return Outcome { reports, panicked, ..Outcome::stopped() };
-    }
-    let (mut good, mut bad, mut untold, mut panicked) = (0, 0, 0, false);
-    for piece in done.iter_mut().stoppable() {
-        let lot = &mut piece.lot;
-        (good, bad, untold, panicked) = (good + lot.good, bad + lot.bad, untold + lot.untold, panicked | lot.panicked);
-        reports.append(&mut lot.reports);
-    }
-    let mut parts: SmallVec<[Pending<(Path, Column)>; 1]> =
-        node_type.outputs.iter().map(|_| Pending::new(Vec::with_capacity(branches.len()))).collect();
-    let mut done = done.each();
-    let mut columns: SmallVec<[Pieces; 1]> = SmallVec::new();
-    for branch in branches.iter().stoppable() {
-        columns.clear();
-        columns.resize_with(node_type.outputs.len(), Pieces::new);
-        let mut covered = 0;
-        while covered < branch.lanes.count {
-            let Some(piece) = done.next() else { break };
-            covered += piece.lanes;
-            columns.iter_mut().zip(piece.outputs).for_each(|(all, one)| all.push(one));
-        }
-        for ((pieces, port), out) in columns.iter_mut().zip(&node_type.outputs).zip(&mut parts) {
-            if let Err(fail) = join(std::mem::take(pieces), port, branch.path, branch.lanes.count, out) {
-                // A fault of the node: nothing that it made can be trusted.
-                reports.push((Severity::Error, fail));
-                return Outcome::failure(reports);
-            }
-        }
-    }
-    let failed = good == 0 && (bad > 0 || !reports.is_empty());
-    if untold > 0 {
-        let message = format!("{untold} more items have something to say; there are too many of them to tell it all");
-        reports.push((Severity::Warning, Fail::new("more-faults", message)));
-    }
-    if failed {
-        return Outcome { panicked, ..Outcome::failure(reports) };
-    }
-    let outputs = parts.into_iter().map(|part| Tree::from_branches(part.take())).collect();
-    Outcome { outputs, reports, failed, cancelled: false, panicked }
 }

@@ -10,6 +10,7 @@ pub(crate) mod kept;
 pub(crate) mod matching;
 pub(crate) mod meter;
 pub(crate) mod output;
+mod pieces;
 pub(crate) mod queue;
 mod quick;
 pub(crate) mod report;

@@ -23,7 +23,10 @@ impl Column {
         if sizes.is_empty() || sizes.contains(&0) {
             return None;
         }
-        let (mut pieces, mut from) = (Pending::new(Vec::new()), 0);
+        // A list that grows is copied as a whole, now and then.
+        let round = sizes.iter().fold(0usize, |sum, size| sum.saturating_add(*size));
+        let most = (self.len() / round + 1).saturating_mul(sizes.len()).min(self.len());
+        let (mut pieces, mut from) = (Pending::new(Vec::with_capacity(most)), 0);
         let ticker = Ticker::new();
         for size in sizes.iter().cycle() {
             ticker.tick();

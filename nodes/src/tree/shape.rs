@@ -124,6 +124,7 @@ fn partition() -> NodeType {
                     Fail::new("no-size", format!("branch {path} has no size to cut it by, or not all are known"))
                         .port("sizes")
                 })?;
+                out.reserve(pieces.len());
                 let pieces = Pending::new(pieces).each();
                 out.extend(pieces.enumerate().stoppable().map(|(i, piece)| (path.child(i), piece)));
             }

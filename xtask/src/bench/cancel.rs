@@ -50,7 +50,9 @@ pub fn run(names: &[&str]) -> Result<(), String> {
         jobs.push(("planarize", bytes, planarize(file)));
     }
     if jobs.is_empty() {
-        return Err("no such case: there are shell_256, shell_1024, shell_10240, series, sort, shape, FILE.obj".into());
+        return Err(
+            "no such case: there are shell_256, shell_1024, shell_10240, series, sort, shape, rows, FILE.obj".into()
+        );
     }
     jobs.into_iter().try_for_each(|job| measure(&registry, &job))
 }
@@ -82,6 +84,15 @@ fn lists() -> Vec<Job> {
                 "s": series,
                 "p": {"type": "partition", "v": 1, "params": {"sizes": 10}, "inputs": {"tree": from("s.numbers")}},
                 "x": {"type": "remap", "v": 1, "inputs": {"value": from("s.numbers")}},
+            })),
+        ),
+        (
+            "rows",
+            LONG,
+            graph(&json!({
+                "s": series,
+                "p": {"type": "partition", "v": 1, "params": {"sizes": 10}, "inputs": {"tree": from("s.numbers")}},
+                "x": {"type": "remap", "v": 1, "inputs": {"value": from("p.tree")}},
             })),
         ),
     ]
