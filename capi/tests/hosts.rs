@@ -146,7 +146,8 @@ fn all_hosts_are_clean_under_valgrind() {
     for source in HOSTS {
         let mut command = Command::new("valgrind");
         command.args(["--quiet", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=definite,indirect"]);
-        command.args(["--errors-for-leak-kinds=definite,indirect"]);
+        // Its threads take turns, or one that waits for another may wait for minutes.
+        command.args(["--errors-for-leak-kinds=definite,indirect", "--fair-sched=try"]);
         // Few moves: every instruction is watched.
         command.arg(compile(source, &[])).env("MOVES", "5");
         prepare(&mut command);

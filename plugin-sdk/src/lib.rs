@@ -10,6 +10,7 @@ pub mod apart;
 pub mod author;
 #[cfg(feature = "host")]
 pub mod check;
+#[cfg_attr(not(feature = "host"), allow(dead_code, reason = "it is the host that makes buffers"))]
 mod from_c;
 #[cfg(feature = "host")]
 pub mod load;

@@ -118,7 +118,7 @@ def test_nothing_else_under_graphs_is_json_of_ours():
         (["diagnostics", "gap"], "two"),
         (["outputs", "boards"], 3),
         (["outputs", "boards", "tolerance", "rel"], "small"),
-        (["set"], [1]),
+        (["set"], "all"),
     ],
     ids=lambda v: ".".join(v) if isinstance(v, list) else None,
 )
