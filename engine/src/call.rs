@@ -67,6 +67,7 @@ fn bug(node_type: &NodeType, message: String) -> Fail {
 }
 
 impl<'a> Call<'a> {
+    #[inline]
     fn arg(&self, port: &str) -> Result<&'a Arg<'a>, Fail> {
         let index = self.node_type.input_index(port);
         index.and_then(|i| self.args.get(i)).ok_or_else(|| bug(self.node_type, format!("it has no input \"{port}\"")))
@@ -84,6 +85,7 @@ impl<'a> Call<'a> {
     ///
     /// # Errors
     /// If an optional port has no value, or the node asks for another type than it declared.
+    #[inline]
     pub fn item<T: Item>(&self, port: &str) -> Result<&'a T, Fail> {
         let (column, i) = match self.arg(port)? {
             Arg::One(column) => (column, 0),
@@ -107,6 +109,7 @@ impl<'a> Call<'a> {
     ///
     /// # Errors
     /// As [`Call::item`].
+    #[inline]
     pub fn number(&self, port: &str) -> Result<f64, Fail> {
         self.item::<f64>(port).copied()
     }
@@ -209,6 +212,7 @@ impl<'a> Call<'a> {
     }
 
     /// Index of an output that takes items of type `T`; anything else is the node's fault and told as such.
+    #[inline]
     fn output_of<T: Item>(&mut self, port: &str) -> Option<(usize, Access)> {
         let (i, declared) = self.any_output(port)?;
         if declared.item_type.id.is_some_and(|id| id != std::any::TypeId::of::<T>()) {
@@ -219,6 +223,7 @@ impl<'a> Call<'a> {
         Some((i, declared.access))
     }
 
+    #[inline]
     fn any_output(&mut self, port: &str) -> Option<(usize, &'a Port)> {
         let node_type = self.node_type;
         let found = node_type.output_index(port).and_then(|i| Some((i, node_type.outputs.get(i)?)));
@@ -228,6 +233,7 @@ impl<'a> Call<'a> {
         found
     }
 
+    #[inline]
     fn put(&mut self, output: usize, put: impl FnOnce(&mut Output, usize)) {
         let lane = self.lane - self.first_lane;
         if let Some(output) = self.outputs.get_mut(output) {
@@ -236,6 +242,7 @@ impl<'a> Call<'a> {
     }
 
     /// Sets an output to one item; a list output to a list of one.
+    #[inline]
     pub fn set<T: Item>(&mut self, port: &str, value: T) {
         match self.output_of::<T>(port) {
             Some((i, Access::Item)) => self.put(i, |o, lane| o.set_item(lane, value)),

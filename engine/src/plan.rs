@@ -1,7 +1,7 @@
 //! The plan: the document compiled to dense tables, so that evaluation follows numbers and never looks up a name.
 //! Nodes are numbered in the order of their ids; slots, wires and successors lie in flat tables (CSR).
 
-mod address;
+pub(crate) mod address;
 mod compile;
 pub(crate) mod define;
 mod expand;

@@ -387,6 +387,12 @@ impl Port {
         self.item_type.id == Some(TypeId::of::<f64>()) || self.range.is_some() || !self.choices.is_empty()
     }
 
+    /// The least and the greatest number that it accepts, if it takes numbers one at a time.
+    pub(crate) fn number_bounds(&self) -> Option<(f64, f64)> {
+        let numbers = self.access == Access::Item && self.item_type.id == Some(TypeId::of::<f64>());
+        (numbers && self.choices.is_empty()).then(|| self.range.unwrap_or((f64::MIN, f64::MAX)))
+    }
+
     /// True if [`Port::check`] finds nothing.
     pub(crate) fn accepts_all(&self, column: &Column) -> bool {
         match column.slice::<f64>() {

@@ -2,6 +2,7 @@
 
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Fail};
+use crate::evaluate::simple::SIMPLE_PORTS;
 use crate::port::{ItemType, Port};
 use crate::value::{Column, Digester, File, Item, Json, Text, Tree};
 use std::any::TypeId;
@@ -32,12 +33,15 @@ pub struct NodeType {
     pub(crate) digest: u128,
     /// Of what brings it; 0: this program.
     pub(crate) build: u128,
+    /// Filled by the registry if single numbers are all that comes in, and one thing comes out: the bounds of each.
+    pub(crate) numbers: Option<Box<[(f64, f64)]>>,
 }
 
 /// Nodes ask for their ports by name whenever they run, and few names begin alike.
 #[inline]
 fn same(a: &str, b: &str) -> bool {
-    a.as_bytes().first() == b.as_bytes().first() && a == b
+    // A length and a first byte tell most names apart, and of one letter there is no more to compare: no call.
+    a.len() == b.len() && a.as_bytes().first() == b.as_bytes().first() && (a.len() <= 1 || a == b)
 }
 
 impl NodeType {
@@ -61,6 +65,7 @@ impl NodeType {
             defaults: Vec::new(),
             digest: 0,
             build: 0,
+            numbers: None,
         }
     }
 
@@ -184,10 +189,12 @@ impl NodeType {
         self.writer
     }
 
+    #[inline]
     pub(crate) fn input_index(&self, name: &str) -> Option<usize> {
         self.inputs.iter().position(|p| same(&p.name, name))
     }
 
+    #[inline]
     pub(crate) fn output_index(&self, name: &str) -> Option<usize> {
         self.outputs.iter().position(|p| same(&p.name, name))
     }
@@ -412,6 +419,8 @@ impl Registry {
             d.u128(node.build);
         }
         node.digest = d.finish();
+        let bounds: Option<Box<[_]>> = node.inputs.iter().map(Port::number_bounds).collect();
+        node.numbers = bounds.filter(|b| b.len() <= SIMPLE_PORTS && node.outputs.len() == 1);
         self.nodes.insert(node.type_name.clone(), Arc::new(node));
         Ok(())
     }

@@ -3,7 +3,7 @@
 
 use super::gather::Files;
 use super::matching::Outcome;
-use super::report::{Event, Happened, Row};
+use super::report::{Event, Happened, Row, Seen};
 use super::session::Session;
 use super::state::{NodeRun, Status, Told, Value};
 use crate::diagnostic::{Diagnostic, Severity};
@@ -17,6 +17,8 @@ pub(super) const SMALL: usize = 512;
 
 /// One evaluation under way.
 pub(crate) struct Evaluation {
+    /// The nodes of the level that is looked at.
+    pub level: Vec<u32>,
     /// The nodes that this evaluation touched.
     pub undo: Vec<u32>,
     /// What they were before, in the same order.
@@ -33,6 +35,50 @@ pub(crate) struct Evaluation {
     pub clock: Instant,
     /// The reports before this one have their times.
     pub settled: usize,
+}
+
+/// Room for this many nodes is kept from one evaluation to the next: those of a slider are as large as the one before.
+pub(super) const SPARE: usize = 1024;
+
+/// The lists of an evaluation that are empty when it is over.
+#[derive(Default)]
+pub(crate) struct Spare {
+    level: Vec<u32>,
+    undo: Vec<u32>,
+    undo_runs: Vec<NodeRun>,
+    undo_outputs: Vec<Value>,
+}
+
+impl Evaluation {
+    pub fn new(spare: Spare, log: usize, start: Instant) -> Self {
+        let Spare { level, undo, undo_runs, undo_outputs } = spare;
+        Self {
+            level,
+            undo,
+            undo_runs,
+            undo_outputs,
+            undo_told: Vec::new(),
+            reports: Vec::new(),
+            files: Files::new(),
+            log,
+            clock: start,
+            settled: 0,
+        }
+    }
+
+    /// What the next evaluation can use again.
+    pub fn spare(self) -> Spare {
+        fn empty<T>(mut list: Vec<T>) -> Vec<T> {
+            list.clear();
+            if list.capacity() <= SPARE { list } else { Vec::new() }
+        }
+        Spare {
+            level: empty(self.level),
+            undo: empty(self.undo),
+            undo_runs: empty(self.undo_runs),
+            undo_outputs: empty(self.undo_outputs),
+        }
+    }
 }
 
 impl Session {
@@ -164,7 +210,7 @@ impl Session {
         let node_type = self.plan.nodes[i].node_type;
         let bytes = outputs.iter().map(Value::bytes).sum();
         let time = time.as_nanos() as f32;
-        e.reports.push(Row { node: n, node_type, time, happened, bytes, digest: digest.into() });
+        e.reports.push(Row { node: n, node_type, time, happened, bytes, digest: Seen::Digest(digest.into()) });
     }
 
     /// Restores everything that this evaluation changed; what it computed stays remembered.

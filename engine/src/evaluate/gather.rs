@@ -26,22 +26,48 @@ const MISSING: u128 = 1;
 const BUNDLE: u128 = 2;
 const UNREAD: u128 = 3;
 
+/// How every key of a node type begins.
+#[inline]
+pub(super) fn key_of(t: &NodeType, matching: Matching) -> Mixer {
+    Mixer::new(t.digest ^ u128::from(matching as u8))
+}
+
+impl Mixer {
+    fn feed_tree(&mut self, tree: &Tree) {
+        match tree.as_number() {
+            Some(v) => self.feed_number(v),
+            None => self.feed(tree.digest()),
+        }
+    }
+
+    /// Numbers are never dropped from memory, so they come as such every time.
+    fn feed_value(&mut self, value: &Value) {
+        match value.tree() {
+            Some(tree) => self.feed_tree(tree),
+            None => self.feed(value.digest()),
+        }
+    }
+}
+
 /// The cache key: node type, version, matching, and per port what comes in. No value is touched, only digests.
 pub(crate) fn key(plan: &Plan, n: usize, values: &Values, files: &[FilesOfPort]) -> u128 {
     let node = &plan.nodes[n];
     let Some(t) = plan.node_type(n) else { return 0 };
-    let mut d = Mixer::new(t.digest ^ u128::from(node.matching as u8));
+    let mut d = key_of(t, node.matching);
     for (p, slot) in plan.node_slots(n).iter().enumerate() {
         match slot {
             Slot::Missing => d.feed(MISSING),
             // A default, the same value written out and the same by wire are the same input.
-            Slot::Default => d.feed(t.defaults[p].as_ref().map_or(0, Tree::digest)),
-            Slot::Literal(l) => d.feed(plan.literals[*l as usize].digest()),
-            Slot::Wire(source) => d.feed(values[*source as usize].digest()),
+            Slot::Default => match &t.defaults[p] {
+                Some(tree) => d.feed_tree(tree),
+                None => d.feed(MISSING),
+            },
+            Slot::Literal(l) => d.feed_tree(&plan.literals[*l as usize]),
+            Slot::Wire(source) => d.feed_value(&values[*source as usize]),
             Slot::Wires(_) => {
                 let (sources, shape) = plan.wires(slot);
                 d.feed(BUNDLE | (sources.len() as u128) << 8 | (shape.len() as u128) << 64);
-                sources.iter().for_each(|s| d.feed(values[*s as usize].digest()));
+                sources.iter().for_each(|s| d.feed_value(&values[*s as usize]));
                 shape.iter().for_each(|op| d.feed(*op as u128));
             }
         }

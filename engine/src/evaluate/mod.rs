@@ -16,6 +16,6 @@ mod quick;
 pub(crate) mod report;
 pub(crate) mod run;
 pub(crate) mod session;
-mod simple;
+pub(crate) mod simple;
 pub(crate) mod state;
 pub(crate) mod store;

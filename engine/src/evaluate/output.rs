@@ -112,11 +112,13 @@ impl<T: Item> Builder for Typed<T> {
 }
 
 impl Output {
+    #[inline]
     pub fn new(lanes: usize) -> Self {
         Self { lanes, kind: Kind::Unset, mixed: false }
     }
 
     /// The number, if that is all that was set.
+    #[inline]
     pub fn as_number(&self) -> Option<f64> {
         match &self.kind {
             Kind::One(column, _) if !self.mixed => column.as_number(),
@@ -124,6 +126,7 @@ impl Output {
         }
     }
 
+    #[inline]
     pub fn set_item<T: Item>(&mut self, lane: usize, value: T) {
         if self.lanes == 1 {
             self.kind = Kind::One(Column::single(value), false);

@@ -3,21 +3,27 @@
 
 use super::commit::{Evaluation, SMALL};
 use super::gather;
+use super::matching::Arg;
 use super::meter::Meter;
-use super::report::{Event, Happened, Row};
+use super::report::{Event, Happened, Row, Seen};
 use super::session::Session;
-use super::simple::{Simple, run_simple};
+use super::simple::{SIMPLE_PORTS, Simple, run_args, run_simple};
 use super::state::{NodeRun, Status, Value};
 use crate::call::Monitor;
 use crate::document::model::NodeState;
 use crate::plan::Slot;
+use crate::registry::NodeType;
 use crate::value::Tree;
+use smallvec::SmallVec;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// So many cheap nodes share one reading of the clock.
 const BATCH: usize = 64;
+
+/// What comes to a node that takes nothing but single numbers.
+type Numbers<'a> = SmallVec<[Arg<'a>; SIMPLE_PORTS]>;
 
 impl Session {
     /// Deals with a cheap node to which nothing special happens; false if it has to go the long way. What it decides depends
@@ -30,22 +36,17 @@ impl Session {
         meter: &Meter<'_>,
     ) -> bool {
         let i = n as usize;
-        if !self.is_quick(i) {
+        if !self.may_be_quick(i) {
             return false;
         }
-        let key = gather::key(&self.plan, i, &self.values, &[]);
-        let run = &self.nodes[i];
-        if run.key == key.into() && run.present && run.status == Status::Good {
+        let made = AtomicU64::new(0);
+        let monitor = Monitor { cancel, report: None, made: &made, span: (0.0, 1.0) };
+        let Some((key, simple)) = self.try_quick(i, monitor) else { return false };
+        let Some(simple) = simple else {
             self.nodes[i].dirty = false;
             self.note(n, Happened::CutOff, Duration::ZERO, e);
             self.events.push(Event::CutOff(n));
             return true;
-        }
-        let Some(t) = self.plan.node_type(i) else { return false };
-        let made = AtomicU64::new(0);
-        let monitor = Monitor { cancel, report: None, made: &made, span: (0.0, 1.0) };
-        let Some(simple) = run_simple(t, gather::simple(&self.plan, t, i, &self.values), monitor) else {
-            return false;
         };
         if cancel.load(Ordering::Relaxed) {
             return true;
@@ -78,24 +79,72 @@ impl Session {
         true
     }
 
+    /// The key of what comes to a node, and what it makes of it, or nothing if that is what it ran with last. `None`: it has
+    /// to go the long way.
+    #[inline]
+    fn try_quick(&self, i: usize, monitor: Monitor<'_>) -> Option<(u128, Option<Simple>)> {
+        let t = self.plan.node_type(i)?;
+        let run = &self.nodes[i];
+        let has_run = |key: u128| run.key == key.into() && run.present && run.status == Status::Good;
+        let mut args = SmallVec::new();
+        if let Some(key) = self.numbers(i, t, &mut args) {
+            return Some((key, (!has_run(key)).then(|| run_args(t, &args, None, monitor))));
+        }
+        if !self.is_small(i, t) {
+            return None;
+        }
+        let key = gather::key(&self.plan, i, &self.values, &[]);
+        if has_run(key) {
+            return Some((key, None));
+        }
+        let simple = run_simple(t, gather::simple(&self.plan, t, i, &self.values), monitor)?;
+        Some((key, Some(simple)))
+    }
+
+    /// Gathers what comes to a node if it is nothing but single numbers that its ports accept; gives the key that they make.
+    #[inline]
+    fn numbers<'a>(&'a self, i: usize, t: &'a NodeType, args: &mut Numbers<'a>) -> Option<u128> {
+        let bounds = t.numbers.as_deref()?;
+        let mut key = gather::key_of(t, self.plan.nodes[i].matching);
+        for (slot, (p, (min, max))) in self.plan.node_slots(i).iter().zip(bounds.iter().enumerate()) {
+            let tree = match slot {
+                Slot::Default => t.defaults.get(p)?.as_ref()?,
+                Slot::Literal(l) => self.plan.literals.get(*l as usize)?,
+                // What is in memory is good.
+                Slot::Wire(source) => self.values[*source as usize].tree()?,
+                Slot::Missing | Slot::Wires(_) => return None,
+            };
+            let (column, v) = tree.number_column()?;
+            if !(v >= *min && v <= *max) {
+                return None;
+            }
+            key.feed_number(v);
+            args.push(Arg::One(column));
+        }
+        Some(key.finish())
+    }
+
     /// As [`Session::publish`] and [`Session::note`] with a number.
     fn put_number(&mut self, n: u32, key: u128, v: f64, e: &mut Evaluation) {
         let node_type = self.plan.nodes[n as usize].node_type;
-        let (digest, bytes) = (Value::number(v).digest().into(), Value::number(v).bytes());
         self.events.push(Event::Executed(n));
         if !self.publish_each(n, NodeRun::new(key, Status::Good), None, |_| Value::number(v), e) {
             self.events.push(Event::CutOff(n));
         }
+        let (bytes, digest) = (Value::number(v).bytes(), Seen::Number(v));
         e.reports.push(Row { node: n, node_type, time: 0.0, happened: Happened::Executed, bytes, digest });
     }
 
-    /// A cheap node that can run: everything that it needs is there, and little of it.
-    fn is_quick(&self, i: usize) -> bool {
+    /// A cheap node that nothing keeps from running.
+    #[inline]
+    fn may_be_quick(&self, i: usize) -> bool {
         let node = &self.plan.nodes[i];
-        let Some(t) = self.plan.node_type(i) else { return false };
-        if !t.cheap || self.remembered[node.node_type as usize] || node.has_files || node.state != NodeState::On {
-            return false;
-        }
+        let on = node.state == NodeState::On && !node.has_files && self.plan.is_sound(i);
+        on && self.plan.node_type(i).is_some_and(|t| t.cheap) && !self.remembered[node.node_type as usize]
+    }
+
+    /// Everything that a node needs is there, and little of it.
+    fn is_small(&self, i: usize, t: &NodeType) -> bool {
         let mut bytes = 0;
         for (slot, port) in self.plan.node_slots(i).iter().zip(&t.inputs) {
             match slot {
@@ -114,7 +163,7 @@ impl Session {
                 }
             }
         }
-        bytes <= SMALL && self.plan.is_sound(i)
+        bytes <= SMALL
     }
 
     /// An evaluation that is no longer small is likely to become as large as the last one.

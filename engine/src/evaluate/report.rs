@@ -2,8 +2,8 @@
 
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::plan::texts::Texts;
-use crate::value::Json;
 use crate::value::digest::Packed;
+use crate::value::{Json, Tree};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -217,7 +217,23 @@ pub(crate) struct Row {
     pub time: f32,
     pub happened: Happened,
     pub bytes: usize,
-    pub digest: Packed,
+    pub digest: Seen,
+}
+
+/// What came out, by its digest. That of a number is made when somebody asks for it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Seen {
+    Digest(Packed),
+    Number(f64),
+}
+
+impl From<Seen> for u128 {
+    fn from(seen: Seen) -> Self {
+        match seen {
+            Seen::Digest(digest) => digest.into(),
+            Seen::Number(v) => Tree::item(v).digest(),
+        }
+    }
 }
 
 impl Row {

@@ -2,8 +2,8 @@
 //! order of node number, and wake only successors of nodes whose outputs changed. Nothing recurses; a cancelled
 //! evaluation is taken back as a whole.
 
-use super::commit::Evaluation;
-use super::gather::{self, Files};
+use super::commit::{Evaluation, SPARE};
+use super::gather;
 use super::jobs::{Job, guarded};
 use super::matching::FilesOfPort;
 use super::meter::{Meter, MeterState};
@@ -29,32 +29,24 @@ impl Session {
         self.memo.begin();
         let mut report = Report { diagnostics: self.plan.general.clone(), ..Report::default() };
         let mut asked_before = None;
-        if self.asked.as_ref().is_none_or(|asked| *asked != targets) {
-            let goals = self.find_goals(targets, &mut report.diagnostics);
+        let same = |asked: &Vec<(String, _)>| asked.iter().map(|(name, _)| name).eq(targets);
+        if !self.asked.as_ref().is_some_and(same) {
+            let (places, goals) = self.find_goals(targets, &mut report.diagnostics);
             if self.goals.as_ref() != Some(&goals) {
                 let flags: Vec<(bool, bool)> = self.nodes.iter().map(|n| (n.needed, n.wanted)).collect();
                 asked_before = Some((self.goals.clone(), flags));
             }
             self.mark_needed(goals);
             let all_known = report.diagnostics.len() == self.plan.general.len();
-            self.asked = all_known.then(|| targets.iter().map(|t| (*t).to_owned()).collect());
+            let names = targets.iter().map(|t| (*t).to_owned());
+            self.asked = all_known.then(|| names.zip(places).collect());
         }
-        let mut evaluation = Evaluation {
-            undo: Vec::new(),
-            undo_runs: Vec::new(),
-            undo_outputs: Vec::new(),
-            undo_told: Vec::new(),
-            reports: Vec::new(),
-            files: Files::new(),
-            log: self.events.mark(),
-            clock: start,
-            settled: 0,
-        };
+        let mut evaluation = Evaluation::new(std::mem::take(&mut self.spare), self.events.mark(), start);
         let dirty_before = self.fill_queue();
         let total = if control.on_progress.is_some() { self.expected() } else { 0.0 };
         let state = MeterState { total, done: 0.0, shown: 0.0, last: None, counted: None };
         let meter = Meter { tell: control.on_progress, state: Mutex::new(state) };
-        let mut level = Vec::new();
+        let mut level = std::mem::take(&mut evaluation.level);
         while self.queue.len() > 0 && !control.cancel.load(Ordering::Relaxed) {
             self.queue.pop_level(&mut level);
             if !self.run_level(&level, &mut evaluation, &control.cancel, &meter) {
@@ -62,6 +54,7 @@ impl Session {
             }
         }
         self.settle(&mut evaluation, &meter);
+        evaluation.level = level;
         if control.cancel.load(Ordering::Relaxed) {
             self.take_back(evaluation, dirty_before);
             if let Some((goals, flags)) = asked_before {
@@ -78,7 +71,12 @@ impl Session {
         }
         self.last_size = evaluation.reports.len();
         let (ids, types) = (self.plan.ids.clone(), self.plan.type_names.clone());
-        report.nodes = NodeReports { ids, types, rows: evaluation.reports };
+        report.nodes = NodeReports { ids, types, rows: std::mem::take(&mut evaluation.reports) };
+        if self.dirty.is_empty() && dirty_before.capacity() <= SPARE {
+            self.dirty = dirty_before;
+            self.dirty.clear();
+        }
+        self.spare = evaluation.spare();
         self.evict();
         self.tell(&mut report.diagnostics);
         report.cache = self.cache_faults();
@@ -86,14 +84,16 @@ impl Session {
         report
     }
 
-    fn find_goals(&self, targets: &[&str], diagnostics: &mut Vec<Diagnostic>) -> Vec<u32> {
-        let mut goals = Vec::new();
+    /// Node and output index of each target that is known, and the nodes that are asked for, each once, in order.
+    fn find_goals(&self, targets: &[&str], diagnostics: &mut Vec<Diagnostic>) -> (Vec<(usize, usize)>, Vec<u32>) {
+        let mut places = Vec::with_capacity(targets.len());
         for target in targets {
             match self.find_value(target) {
-                Ok((n, _)) => goals.push(n as u32),
+                Ok(place) => places.push(place),
                 Err(diagnostic) => diagnostics.push(diagnostic),
             }
         }
+        let mut goals: Vec<u32> = places.iter().map(|(n, _)| *n as u32).collect();
         if targets.is_empty() {
             let outputs = self.document.outputs.values();
             goals.extend(outputs.filter_map(|o| self.plan.find_output(&o.port).ok()).map(|(n, _)| n as u32));
@@ -105,7 +105,7 @@ impl Session {
         }
         goals.sort_unstable();
         goals.dedup();
-        goals
+        (places, goals)
     }
 
     /// Marks everything that the goals depend on. O(nodes + wires) when the goals are others than last time, else O(goals).
@@ -190,9 +190,22 @@ impl Session {
 
     /// False if a node was cancelled.
     fn run_level(&mut self, level: &[u32], e: &mut Evaluation, cancel: &Arc<AtomicBool>, meter: &Meter<'_>) -> bool {
+        for (at, n) in level.iter().enumerate() {
+            if !self.run_quick(*n, e, cancel, meter) {
+                return self.run_slowly(&level[at..], e, cancel, meter);
+            }
+            if cancel.load(Ordering::Relaxed) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// As [`Session::run_level`] with nodes of which the first is not to be run the short way.
+    fn run_slowly(&mut self, level: &[u32], e: &mut Evaluation, cancel: &Arc<AtomicBool>, meter: &Meter<'_>) -> bool {
         let (mut jobs, mut twins, mut keys) = (Vec::new(), Vec::new(), BTreeSet::new());
-        for n in level {
-            if self.run_quick(*n, e, cancel, meter) {
+        for (at, n) in level.iter().enumerate() {
+            if at > 0 && self.run_quick(*n, e, cancel, meter) {
                 if cancel.load(Ordering::Relaxed) {
                     return false;
                 }

@@ -1,6 +1,7 @@
 //! A session: one document being worked on. Set inputs, evaluate, read values and files.
 
 use super::cache::Memo;
+use super::commit::Spare;
 use super::matching::Matching;
 use super::queue::Queue;
 use super::report::Events;
@@ -10,9 +11,11 @@ use crate::diagnostic::{Diagnostic, Severity, did_you_mean};
 use crate::document::model::{Document, InterfaceInput, Node, NodeState, split_port};
 use crate::document::operations::Operation;
 use crate::plan::Plan;
+use crate::plan::address::Places;
 use crate::registry::Registry;
 use crate::value::digest::Packed;
 use crate::value::{Column, File, Json, Tree};
+use smallvec::SmallVec;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock};
@@ -71,8 +74,8 @@ pub struct Session {
     pub(crate) told: BTreeMap<u32, Told>,
     /// What `needed` was computed for.
     pub(crate) goals: Option<Vec<u32>>,
-    /// The targets that the goals were found for, if all of them are known.
-    pub(crate) asked: Option<Vec<String>>,
+    /// The targets that the goals were found for, if all of them are known, with node and output index.
+    pub(crate) asked: Option<Vec<(String, (usize, usize))>>,
     /// Some value was dropped at some time, so goals may lack theirs.
     pub(crate) evicted: bool,
     /// Nodes with file inputs: their files are looked at in every evaluation.
@@ -90,8 +93,16 @@ pub struct Session {
     pub(crate) events: Events,
     /// Nodes that the last evaluation looked at.
     pub(crate) last_size: usize,
+    /// Room that the last evaluation has left.
+    pub(super) spare: Spare,
     pool: OnceLock<Option<rayon::ThreadPool>>,
 }
+
+/// So many names are compared before they are looked up.
+const FEW: usize = 8;
+
+/// Literals by node and port; `None`: none any more.
+pub(super) type Literals = SmallVec<[(usize, usize, Option<Tree>); 1]>;
 
 /// Whether every number of a value lies in its interface input's range, whatever unit it was written in.
 pub(crate) fn check_range(name: &str, input: &InterfaceInput, tree: &Tree) -> Result<(), Diagnostic> {
@@ -183,6 +194,7 @@ impl Session {
             memo: Memo::default(),
             stamp: 0,
             last_size: 0,
+            spare: Spare::default(),
             faults: Mutex::default(),
             events: Events::new(plan.ids.clone()),
             plan,
@@ -278,23 +290,21 @@ impl Session {
     /// # Errors
     /// If there is no such name, the port has a wire, or the value is not accepted; then nothing has changed.
     pub fn set(&mut self, name: &str, value: Json) -> Result<(), Diagnostic> {
-        let mut addresses = Vec::new();
+        let mut addresses: SmallVec<[Cow<'_, str>; 1]> = SmallVec::new();
         if let Some(input) = self.document.inputs.get(name) {
-            addresses.extend(input.ports.iter().map(String::as_str));
+            addresses.extend(input.ports.iter().cloned().map(Cow::Owned));
         } else if name.contains('.') {
-            addresses.push(name);
+            addresses.push(Cow::Borrowed(name));
         } else {
             return Err(no_input(&self.document, name));
         }
-        let mut params = Vec::with_capacity(addresses.len());
-        let mut trees = Vec::with_capacity(addresses.len());
-        for address in addresses {
+        let params = || addresses.iter().map(|address| split_port(address).unwrap_or((address, "")));
+        let mut trees = Literals::new();
+        for (address, (id, port)) in addresses.iter().zip(params()) {
             let found = self.plan.find_inputs(address)?;
-            let (id, port) = split_port(address).unwrap_or((address, ""));
-            if !self.document.nodes.contains_key(id) {
+            if self.plan.has_instances() && !self.document.nodes.contains_key(id) {
                 return Err(self.inside_cluster(id, port));
             }
-            params.push((id.to_owned(), port.to_owned()));
             for (n, p) in found {
                 let id = &self.plan.ids[n];
                 if self.plan.slot(n, p).is_wired() {
@@ -305,13 +315,15 @@ impl Session {
             }
         }
         // Without its value, what stands inside a cluster counts again: that only the definition knows.
-        let anew = value.is_null() && params.iter().any(|(id, _)| self.plan.is_instance(id));
-        for (id, port) in params {
-            self.given.remove(&(id.clone(), port.clone()));
-            let Some(node) = self.document.node_mut(&id) else { continue };
+        let anew = value.is_null() && params().any(|(id, _)| self.plan.is_instance(id));
+        for (id, port) in params() {
+            if !self.given.is_empty() {
+                self.given.remove(&(id.to_owned(), port.to_owned()));
+            }
+            let Some(node) = self.document.node_mut(id) else { continue };
             if value.is_null() {
-                node.params.remove(&port);
-            } else if let Some(old) = node.params.get_mut(&port) {
+                node.params.remove(port);
+            } else if let Some(old) = node.params.get_mut(port) {
                 *old = value.clone().into();
             } else {
                 node.params.insert(port, value.clone());
@@ -340,8 +352,8 @@ impl Session {
     }
 
     /// Puts one literal at ports, and formulas that depend on it.
-    pub(super) fn place(&mut self, trees: Vec<(usize, usize, Option<Tree>)>, value: &Json) {
-        let places: Vec<(usize, usize)> = trees.iter().map(|(n, p, _)| (*n, *p)).collect();
+    pub(super) fn place(&mut self, trees: Literals, value: &Json) {
+        let places: Places = trees.iter().map(|(n, p, _)| (*n, *p)).collect();
         for (n, p, tree) in trees {
             self.plan.set_literal(n, p, tree);
             self.plan.note_formula(n, p, value);
@@ -408,7 +420,7 @@ impl Session {
     }
 
     /// Where a parameter goes and what it is, if it can be set without compiling the plan anew.
-    fn literals(&self, node: &str, port: &str, value: Option<&Json>) -> Option<Vec<(usize, usize, Option<Tree>)>> {
+    fn literals(&self, node: &str, port: &str, value: Option<&Json>) -> Option<Literals> {
         if value.is_none() && self.plan.is_instance(node) {
             return None;
         }
@@ -455,7 +467,10 @@ impl Session {
     /// or was dropped from memory.
     #[must_use]
     pub fn value(&self, name: &str) -> Option<Tree> {
-        let (n, o) = self.find_value(name).ok()?;
+        // What is read is nearly always what was asked for, and little was.
+        let mut asked = self.asked.iter().flatten().take(FEW);
+        let found = asked.find(|(asked, _)| asked == name).map(|(_, place)| *place);
+        let (n, o) = found.or_else(|| self.find_value(name).ok())?;
         let run = &self.nodes[n];
         // Nobody has asked for it, and it may be out of date.
         if run.dirty && !run.needed && self.plan.nodes[n].state != NodeState::Frozen {

@@ -31,7 +31,7 @@ impl From<Simple> for Outcome {
 }
 
 /// Nodes with more inputs than this are never simple.
-const SIMPLE_PORTS: usize = 6;
+pub(crate) const SIMPLE_PORTS: usize = 6;
 
 /// Runs a node whose every port has one item, one list or one tree as it is: no list has to be built to run it. `None`:
 /// it is not that simple, and nothing was run. `inputs` gives what arrives at each port and whether it came by wire; an
@@ -71,7 +71,11 @@ pub(crate) fn run_simple<'a>(
             _ => return None,
         };
     }
-    let args = args.get(..node_type.inputs.len())?;
+    Some(run_args(node_type, args.get(..node_type.inputs.len())?, path, monitor))
+}
+
+/// Runs a node in its only lane, in the branch of that path.
+pub(crate) fn run_args(node_type: &NodeType, args: &[Arg<'_>], path: Option<&Path>, monitor: Monitor<'_>) -> Simple {
     let root = path.is_none_or(Path::is_root);
     let path = || path.map_or_else(|| Cow::Owned(Path::root()), Cow::Borrowed);
     let mut reports = Vec::new();
@@ -84,7 +88,7 @@ pub(crate) fn run_simple<'a>(
         let mut outputs: Vec<Output> = node_type.outputs.iter().map(|_| Output::new(1)).collect();
         let lot = Lot::alone(run(&mut outputs), reports, monitor);
         let outcome = finish_alone(node_type, lot, outputs.into_iter(), &path(), Vec::new());
-        return Some(Simple::Outcome(Box::new(outcome)));
+        return Simple::Outcome(Box::new(outcome));
     }
     let mut output = [Output::new(1)];
     let done = run(&mut output);
@@ -93,8 +97,8 @@ pub(crate) fn run_simple<'a>(
         && reports.is_empty()
         && let Some(v) = output[0].as_number()
     {
-        return Some(Simple::Number(v));
+        return Simple::Number(v);
     }
     let lot = Lot::alone(done, reports, monitor);
-    Some(Simple::Outcome(Box::new(finish_alone(node_type, lot, output.into_iter(), &path(), Vec::new()))))
+    Simple::Outcome(Box::new(finish_alone(node_type, lot, output.into_iter(), &path(), Vec::new())))
 }

@@ -8,8 +8,13 @@ use crate::document::cluster::PREFIX;
 use crate::document::model::{Document, split_port};
 use crate::port::Port;
 use crate::registry::NodeType;
+use smallvec::SmallVec;
+use std::borrow::Cow;
 use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
+
+/// Nodes and port indices; most addresses lead to one.
+pub(crate) type Places = SmallVec<[(usize, usize); 1]>;
 
 impl Plan {
     pub(super) fn check_interface(&mut self, document: &Document) {
@@ -79,7 +84,7 @@ impl Plan {
         self.instances.contains_key(path)
     }
 
-    fn find_node(&self, address: &str) -> Result<(usize, &Arc<NodeType>, String), Diagnostic> {
+    fn find_node<'a>(&self, address: &'a str) -> Result<(usize, &Arc<NodeType>, &'a str), Diagnostic> {
         let Some((id, port)) = split_port(address) else {
             let message = format!("\"{address}\" is not of the form node.port");
             return Err(Diagnostic::error("bad-address", message));
@@ -97,13 +102,17 @@ impl Plan {
             let hint = self.errors(n).find_map(|d| d.hint.as_deref()).map(str::to_owned);
             return Err(Diagnostic::error("unknown-node", message).at(id).maybe_hint(hint));
         };
-        Ok((n, t, port.to_owned()))
+        Ok((n, t, port))
     }
 
     /// Nodes and port indices of `node.port` as an input: one, or those that an input of an instance leads to, which may be
     /// none. O(places × log nodes).
-    pub fn find_inputs(&self, address: &str) -> Result<Vec<(usize, usize)>, Diagnostic> {
-        let mut places = Vec::new();
+    pub fn find_inputs(&self, address: &str) -> Result<Places, Diagnostic> {
+        let mut places = Places::new();
+        if !self.has_instances() {
+            places.push(self.find_own_input(address)?);
+            return Ok(places);
+        }
         let mut open = vec![address.to_owned()];
         // Inputs of a faulty cluster may lead to one port by many ways.
         let mut seen = HashSet::new();
@@ -121,15 +130,20 @@ impl Plan {
                 open.extend(inner.filter(|p| seen.insert(p.clone())));
                 continue;
             }
-            let (n, t, port) = self.find_node(&address)?;
-            let p = t.input_index(&port).ok_or_else(|| {
-                let hint = did_you_mean(&port, t.inputs.iter().map(Port::name));
-                let message = format!("\"{}\" has no input \"{port}\"", t.type_name);
-                Diagnostic::error("unknown-port", message).at(&self.ids[n]).port(port).maybe_hint(hint)
-            })?;
-            places.push((n, p));
+            places.push(self.find_own_input(&address)?);
         }
         Ok(places)
+    }
+
+    /// As [`Plan::find_inputs`], of a node that is no instance.
+    fn find_own_input(&self, address: &str) -> Result<(usize, usize), Diagnostic> {
+        let (n, t, port) = self.find_node(address)?;
+        let p = t.input_index(port).ok_or_else(|| {
+            let hint = did_you_mean(port, t.inputs.iter().map(Port::name));
+            let message = format!("\"{}\" has no input \"{port}\"", t.type_name);
+            Diagnostic::error("unknown-port", message).at(&self.ids[n]).port(port).maybe_hint(hint)
+        })?;
+        Ok((n, p))
     }
 
     /// The first of [`Plan::find_inputs`].
@@ -140,19 +154,19 @@ impl Plan {
 
     /// Node and port index of `node.port` as an output, through outputs of instances.
     pub fn find_output(&self, address: &str) -> Result<(usize, usize), Diagnostic> {
-        let mut address = address.to_owned();
+        let mut address = Cow::Borrowed(address);
         // An output of an instance lies one level further inside, so this ends.
         while let Some((id, port)) = split_port(&address)
             && let Some(instance) = self.instances.get(id)
         {
             match instance.interface.outputs.get(port) {
-                Some(output) => address = format!("{id}/{}", output.port),
+                Some(output) => address = Cow::Owned(format!("{id}/{}", output.port)),
                 None => return Err(no_output(&instance.interface, port).at(id).port(port)),
             }
         }
         let (n, t, port) = self.find_node(&address)?;
-        let o = t.output_index(&port).ok_or_else(|| {
-            let hint = did_you_mean(&port, t.outputs.iter().map(Port::name));
+        let o = t.output_index(port).ok_or_else(|| {
+            let hint = did_you_mean(port, t.outputs.iter().map(Port::name));
             let message = format!("\"{}\" has no output \"{port}\"", t.type_name);
             Diagnostic::error("unknown-port", message).at(&self.ids[n]).port(port).maybe_hint(hint)
         })?;

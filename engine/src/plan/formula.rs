@@ -151,7 +151,9 @@ impl Plan {
     /// Remembers which inputs a parameter names that was newly set from outside of all clusters.
     pub(crate) fn note_formula(&mut self, n: usize, p: usize, json: &Json) {
         let port = self.node_type(n).and_then(|t| t.inputs.get(p));
-        let names = port.map(|port| port.names_in(json)).unwrap_or_default();
+        // Only texts are formulas.
+        let may_be = !json.is_number() && !json.is_boolean();
+        let names = port.filter(|_| may_be).map(|port| port.names_in(json)).unwrap_or_default();
         if names.is_empty() {
             self.formulas.remove(&(n as u32, p as u32));
         } else {
@@ -163,6 +165,9 @@ impl Plan {
     /// Computes the formulas anew that name an interface input set at one of these places; gives the nodes of which a
     /// parameter is now another. O(formulas × names × log nodes).
     pub(crate) fn renew_formulas(&mut self, document: &Document, places: &[(usize, usize)]) -> Vec<u32> {
+        if self.formulas.is_empty() {
+            return Vec::new();
+        }
         let (mut changed, mut nodes) = (places.to_vec(), Vec::new());
         for (n, p) in self.formulas_inwards() {
             let Some(formula) = self.formulas.get(&(n, p)) else { continue };

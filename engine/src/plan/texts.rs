@@ -14,6 +14,11 @@ impl Texts {
         self.all.get(from as usize..*self.ends.get(n)? as usize)
     }
 
+    fn bytes(&self, n: usize) -> &[u8] {
+        let from = if n == 0 { 0 } else { self.ends[n - 1] };
+        &self.all.as_bytes()[from as usize..self.ends[n] as usize]
+    }
+
     pub fn len(&self) -> usize {
         self.ends.len()
     }
@@ -25,15 +30,27 @@ impl Texts {
     /// The number of a text, if they are sorted. O(log n).
     pub fn find(&self, text: &str) -> Option<usize> {
         let (mut from, mut to) = (0, self.len());
+        let text = text.as_bytes();
+        let head = head(text);
         while from < to {
             let middle = from + (to - from) / 2;
-            match self[middle].cmp(text) {
+            let other = self.bytes(middle);
+            match self::head(other).cmp(&head).then_with(|| other.cmp(text)) {
                 std::cmp::Ordering::Equal => return Some(middle),
                 std::cmp::Ordering::Less => from = middle + 1,
                 std::cmp::Ordering::Greater => to = middle,
             }
         }
         None
+    }
+}
+
+/// The first bytes as a number: where two differ, so do the texts, in the same order.
+#[inline]
+fn head(text: &[u8]) -> u64 {
+    match text.first_chunk() {
+        Some(first) => u64::from_be_bytes(*first),
+        None => text.iter().fold(0, |n, b| n << 8 | u64::from(*b)) << (8 * (8 - text.len()) as u32 % 64),
     }
 }
 

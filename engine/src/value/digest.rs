@@ -165,6 +165,9 @@ pub(crate) struct Mixer(u128);
 /// Odd, so that multiplying with it can be undone; the bits of π.
 const FACTOR: u128 = 0x2432_f6a8_885a_308d_3131_98a2_e037_0735;
 
+/// Above the bits of a number.
+const NUMBER: u128 = 0x4a40_9382_2299_f31d << 64;
+
 impl Mixer {
     #[inline]
     pub fn new(first: u128) -> Self {
@@ -175,6 +178,12 @@ impl Mixer {
     pub fn feed(&mut self, digest: u128) {
         let product = (self.0 ^ digest).wrapping_mul(FACTOR);
         self.0 = product ^ (product >> 67);
+    }
+
+    /// A number as it is: what stands above its bits keeps it apart from digests as well as chance keeps two of those.
+    #[inline]
+    pub fn feed_number(&mut self, v: f64) {
+        self.feed(NUMBER | u128::from(bits(v)));
     }
 
     #[inline]

@@ -233,8 +233,14 @@ impl Tree {
     /// The number, if that is all that the tree is.
     #[inline]
     pub(crate) fn as_number(&self) -> Option<f64> {
+        self.number_column().map(|(_, v)| v)
+    }
+
+    /// ... with the column in which it stands.
+    #[inline]
+    pub(crate) fn number_column(&self) -> Option<(&Column, f64)> {
         match &self.0 {
-            Branches::One((path, column)) if path.is_root() => column.as_number(),
+            Branches::One((path, column)) if path.is_root() => Some((column, column.as_number()?)),
             _ => None,
         }
     }
@@ -334,6 +340,7 @@ impl std::fmt::Debug for Tree {
 }
 
 impl PartialEq for Tree {
+    #[inline]
     fn eq(&self, other: &Self) -> bool {
         match (self.as_number(), other.as_number()) {
             (Some(a), Some(b)) => bits(a) == bits(b),
