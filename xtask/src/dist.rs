@@ -83,7 +83,8 @@ fn call(command: &mut Command) -> Result<(), String> {
 
 /// Builds and lays out `target/dist/tenon-VERSION`, anew; without the editor if `editor` is false.
 pub fn run(editor: bool) -> Result<(), String> {
-    let mut build = vec!["build", "--release", "--quiet", "-p", "tenon", "-p", "tenon-capi"];
+    // With what builds it: the features of what they share are then those of this program, and nothing is built twice.
+    let mut build = vec!["build", "--release", "--quiet", "-p", "tenon", "-p", "tenon-capi", "-p", "xtask"];
     if editor {
         build.extend(["-p", "tenon-editor"]);
     }
