@@ -4,7 +4,7 @@
 use super::cells::{ColumnData, Items, Single, Typed, digest};
 use super::digest::digest_number;
 use super::item::{Item, Json};
-use crate::stop::Stoppable;
+use crate::stop::{Pending, Stoppable};
 use std::any::{Any, TypeId};
 use std::sync::Arc;
 
@@ -58,8 +58,10 @@ impl Column {
     #[must_use]
     pub fn with_gaps<T: Item>(items: Vec<Option<T>>) -> Self {
         let valid: Vec<bool> = items.iter().stoppable().map(Option::is_some).collect();
-        let items = items.into_iter().stoppable().map(Option::unwrap_or_default).collect();
-        Self::build(items, Some(valid))
+        // Not in place: such a list would have to be shrunk, which copies it as a whole.
+        let mut all = Vec::with_capacity(items.len());
+        all.extend(Pending::new(items).each().stoppable().map(Option::unwrap_or_default));
+        Self::build(all, Some(valid))
     }
 
     pub(crate) fn build<T: Item>(mut items: Vec<T>, valid: Option<Vec<bool>>) -> Self {

@@ -2,7 +2,7 @@
 
 use super::column::Column;
 use super::item::Text;
-use crate::stop::{Pending, Stoppable, Ticker};
+use crate::stop::{Pending, Stoppable, Ticker, let_go};
 use std::cmp::Ordering;
 
 impl Column {
@@ -89,12 +89,13 @@ impl Column {
             merged.clear();
             length *= 2;
         }
+        let_go(merged);
         order
     }
 }
 
 /// Items sorted or merged before it is looked whether to go on.
-const RUN: usize = 1 << 16;
+const RUN: usize = 1 << 13;
 
 /// Two sorted runs as one; of equal items the left ones come first. Stops early when `go` says no.
 fn merge(

@@ -98,7 +98,10 @@ pub fn cut_parts(
     let mut all = PartPaths { operation_start: vec![0], clearance: params.clearance, ..PartPaths::default() };
     // Columns that grow would be copied, and their pages made, again and again.
     reserve(&mut all.paths, single.iter().map(|(trace, ..)| trace.paths.tip.len()).sum());
-    for (trace, issues, failed) in single {
+    for (i, (trace, issues, failed)) in single.into_iter().enumerate() {
+        if i.is_multiple_of(64) && !progress(1.0) {
+            return Err(PathError::Cancelled);
+        }
         append(&mut all.paths, trace.paths);
         all.operation_start.push(all.paths.operations.len() as u32);
         all.issues.extend(issues);

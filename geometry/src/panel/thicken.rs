@@ -102,7 +102,7 @@ pub fn thicken(mesh: &Mesh, params: &ThickenParams) -> Result<(PanelSet, Vec<Pan
     thicken_while(mesh, params, &|| true)
 }
 
-/// As [`thicken`]; stops between two of its seven passes over all corners when `go` says no.
+/// As [`thicken`]; stops when `go`, asked every few hundred faces, says no.
 ///
 /// # Errors
 /// As [`thicken`], and [`ThickenError::Cancelled`].
@@ -115,28 +115,30 @@ pub fn thicken_while(
     params.check()?;
     let adjacency = Adjacency::new(mesh)?;
     on()?;
+    let on = |count: u32| if count.is_multiple_of(OFTEN) { on() } else { Ok(()) };
     let mut work = Work::new(mesh, &adjacency, params);
-    work.fit_faces();
-    on()?;
-    work.cut_edges()?;
-    on()?;
-    work.propose_corners();
-    on()?;
+    work.fit_faces(&on)?;
+    work.cut_edges(&on)?;
+    work.propose_corners(&on)?;
     if params.nodes == Nodes::Void {
         work.widen_nodes();
-        on()?;
+        on(0)?;
     }
     // First the panels that are impossible by themselves, so that they do not take their neighbours along.
-    work.check_offsets(Nodes::Keep);
-    on()?;
+    work.check_offsets(Nodes::Keep, &on)?;
     if params.nodes == Nodes::Void {
-        work.check_offsets(Nodes::Void);
-        on()?;
+        work.check_offsets(Nodes::Void, &on)?;
     }
-    let set = work.finish();
+    let set = work.finish(&on)?;
     work.issues.sort_by_key(PanelIssue::face);
     Ok((set, work.issues))
 }
+
+/// So many faces or corners are worked on before it is asked whether to go on.
+const OFTEN: u32 = 256;
+
+/// Asked with the number of the face or corner: an error if it should stop.
+type On<'a> = &'a dyn Fn(u32) -> Result<(), ThickenError>;
 
 /// Per-corner columns are indexed like `Mesh::face_vertices`.
 pub(super) struct Work<'a> {
@@ -196,8 +198,9 @@ impl<'a> Work<'a> {
     }
 
     /// Fitted planes, edge directions; refuses faces that are degenerate, concave or not planar.
-    fn fit_faces(&mut self) {
+    fn fit_faces(&mut self, on: On<'_>) -> Result<(), ThickenError> {
         for f in 0..self.mesh.face_count() as u32 {
+            on(f)?;
             for c in self.adjacency.corners(f) {
                 let edge = self.vertex(self.adjacency.next(c)) - self.vertex(c);
                 let length = edge.length();
@@ -210,6 +213,7 @@ impl<'a> Work<'a> {
                 self.fail(issue);
             }
         }
+        Ok(())
     }
 
     fn face_issue(&self, face: u32, plane: Option<Plane>) -> Option<PanelIssue> {
@@ -247,7 +251,7 @@ impl<'a> Work<'a> {
     }
 
     /// Chamfer planes of all edges; refuses folds and border cuts that lean too far.
-    fn cut_edges(&mut self) -> Result<(), ThickenError> {
+    fn cut_edges(&mut self, on: On<'_>) -> Result<(), ThickenError> {
         let mut exceptions = std::collections::BTreeMap::new();
         for e in &self.params.border.edges {
             let none = ThickenError::NoBorderEdge { face: e.face, edge: e.edge };
@@ -261,6 +265,7 @@ impl<'a> Work<'a> {
             exceptions.insert(corners.start + e.edge, e.cut);
         }
         for c in 0..self.mesh.face_vertices.len() as u32 {
+            on(c)?;
             let face = self.adjacency.face_of(c);
             let Some(own) = self.plane[face as usize] else { continue };
             let across = self.adjacency.twin(c).and_then(|t| {
@@ -308,8 +313,9 @@ impl<'a> Work<'a> {
     }
 
     /// Corner lines of the living panels.
-    fn propose_corners(&mut self) {
+    fn propose_corners(&mut self, on: On<'_>) -> Result<(), ThickenError> {
         for c in 0..self.mesh.face_vertices.len() as u32 {
+            on(c)?;
             let face = self.adjacency.face_of(c) as usize;
             let (true, Some(plane)) = (self.alive[face], self.plane[face]) else { continue };
             let before = self.chamfer[self.adjacency.previous(c) as usize].normal;
@@ -325,13 +331,15 @@ impl<'a> Work<'a> {
             self.sink[c as usize] = -line / rise;
             self.height[c as usize] = plane.distance(self.vertex(c));
         }
+        Ok(())
     }
 
     /// Refuses panels of which a back edge vanishes.
-    fn check_offsets(&mut self, nodes: Nodes) {
+    fn check_offsets(&mut self, nodes: Nodes, on: On<'_>) -> Result<(), ThickenError> {
         let thickness = self.params.thickness;
         let mut flipped = Vec::new();
         for face in 0..self.mesh.face_count() as u32 {
+            on(face)?;
             if !self.alive[face as usize] {
                 continue;
             }
@@ -359,10 +367,11 @@ impl<'a> Work<'a> {
             }
         }
         flipped.into_iter().for_each(|issue| self.fail(issue));
+        Ok(())
     }
 
     /// Writes the set, reports projected faces.
-    fn finish(&mut self) -> PanelSet {
+    fn finish(&mut self, on: On<'_>) -> Result<PanelSet, ThickenError> {
         let (mesh, p) = (self.mesh, self.params);
         let faces = mesh.face_count();
         let corners: usize = (0..faces).filter(|&f| self.alive[f]).map(|f| mesh.face(f).len()).sum();
@@ -382,6 +391,7 @@ impl<'a> Work<'a> {
         };
         set.corner_start.push(0);
         for face in 0..faces as u32 {
+            on(face)?;
             let plane = self.plane[face as usize];
             set.normal.push(plane.map_or(DVec3::ZERO, |p| p.normal));
             if let (true, Some(plane)) = (self.alive[face as usize], plane) {
@@ -389,7 +399,7 @@ impl<'a> Work<'a> {
             }
             set.corner_start.push(set.front.len() as u32);
         }
-        set
+        Ok(set)
     }
 
     fn write_panel(&mut self, set: &mut PanelSet, face: u32, plane: Plane) {

@@ -6,7 +6,7 @@ use bytemuck::{Pod, cast_vec};
 use std::any::Any;
 use std::borrow::Cow;
 use std::sync::Arc;
-use tenon_engine::{Column, Item, Path, Text, Tree};
+use tenon_engine::{Column, Item, Path, Text, Tree, stop};
 use tenon_geometry::ifs::Curve;
 use tenon_geometry::joint::{Feature, FeatureSet, Hardware, Machining};
 use tenon_geometry::mesh::Mesh;
@@ -222,6 +222,9 @@ fn neighbour(n: tenon_edge) -> Option<EdgeRef> {
 fn features(f: c::Features<'_>) -> Result<FeatureSet, String> {
     let mut set = FeatureSet::default();
     for (i, f) in f.features.into_iter().enumerate() {
+        if i.is_multiple_of(64) {
+            stop::check();
+        }
         let by_hand = f.by_hand;
         let f = feature(f).map_err(|why| format!("feature {i}: {why}"))?;
         if by_hand { set.by_hand.push(f) } else { set.features.push(f) }

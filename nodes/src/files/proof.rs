@@ -1,6 +1,7 @@
 //! `write_proof`: the proof as data.
 
 use super::{set_file, writer};
+use crate::io::Blocks;
 use crate::value::V;
 use tenon_engine::{Fail, Item, NodeType, Port};
 use tenon_geometry::proof::ProofReport;
@@ -13,9 +14,10 @@ pub(super) fn nodes() -> Vec<NodeType> {
             .input(Port::item::<V<ProofReport>>("report").doc("The report from prove."))
             .run(|c| {
                 let json = c.item::<V<ProofReport>>("report")?.to_json();
-                let bytes = serde_json::to_vec_pretty(&json)
+                let mut text = Blocks::default();
+                serde_json::to_writer_pretty(&mut text, &json)
                     .map_err(|e| Fail::new("cannot-write", e.to_string()).port("report"))?;
-                set_file(c, bytes)
+                set_file(c, text.into_bytes())
             }),
     ]
 }

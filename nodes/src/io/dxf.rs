@@ -1,6 +1,7 @@
 //! Layout drawing as DXF R2000. Written by hand: the format needs about a hundred fixed lines of tables, while the
 //! `dxf` crate brings a date, an id generator and 400 entity types, and stamps every file with the time.
 
+use super::blocks::Blocks;
 use super::drawing::{Drawing, DrawnPiece};
 use std::fmt::{Display, Write as _};
 use tenon_geometry::DVec2;
@@ -42,21 +43,21 @@ mod handle {
 /// Cost O(corners + holes). Stops early, and what there is then is of no use, when `go` says no.
 #[must_use]
 pub fn write_dxf(drawing: &Drawing, go: &dyn Fn() -> bool) -> Vec<u8> {
-    let mut body = Dxf { text: String::new(), next: handle::FIRST_FREE };
-    for board in 0..drawing.boards {
+    let mut body = Dxf { text: Blocks::default(), next: handle::FIRST_FREE };
+    for board in (0..drawing.boards).take_while(|_| go()) {
         body.board(drawing, board);
     }
     for piece in drawing.pieces.iter().take_while(|_| go()) {
         body.piece(piece, board_origin(drawing, piece.placement.board));
     }
     let entities = std::mem::take(&mut body.text);
-    let mut tables = Dxf { text: String::new(), next: body.next };
+    let mut tables = Dxf { text: Blocks::default(), next: body.next };
     tables.tables();
-    let mut out = Dxf { text: String::with_capacity(entities.len() + tables.text.len() + 1024), next: 0 };
+    let mut out = Dxf { text: Blocks::default(), next: 0 };
     out.header(tables.next, extent(drawing));
-    out.text.push_str(&tables.text);
+    out.text.append(tables.text);
     out.pair(0, "SECTION").pair(2, "ENTITIES");
-    out.text.push_str(&entities);
+    out.text.append(entities);
     out.pair(0, "ENDSEC");
     out.objects();
     out.pair(0, "EOF");
@@ -73,7 +74,7 @@ fn extent(drawing: &Drawing) -> DVec2 {
 }
 
 struct Dxf {
-    text: String,
+    text: Blocks,
     next: u32,
 }
 

@@ -1,5 +1,6 @@
 //! JSON documents that people can read and compare: a head on the first line, then lists with one record a line.
 
+use super::blocks::Blocks;
 use serde::Serialize;
 
 /// A value as one line. No record of this folder can fail: their keys are strings.
@@ -11,7 +12,8 @@ pub(super) fn json(value: &impl Serialize) -> String {
 /// makes them can stop.
 pub(super) fn document(head: &impl Serialize, key: &str, lines: impl Iterator<Item = String>) -> Vec<u8> {
     let head = json(head);
-    let mut out = head.strip_suffix('}').unwrap_or(&head).to_owned();
+    let mut out = Blocks::default();
+    out.push_str(head.strip_suffix('}').unwrap_or(&head));
     out.push_str(",\"");
     out.push_str(key);
     out.push_str("\":[\n");

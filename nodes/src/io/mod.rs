@@ -3,6 +3,7 @@
 //! Text that is written is the same for the same input: fixed decimals in drawings and tables, shortest round-trip
 //! numbers in OBJ and JSON, no time stamps.
 
+mod blocks;
 pub mod drawing;
 pub mod dxf;
 #[cfg(test)]
@@ -13,6 +14,7 @@ pub mod obj;
 pub mod pieces;
 pub mod svg;
 
+pub use blocks::Blocks;
 pub use drawing::{Drawing, DrawingError, draw};
 pub use dxf::write_dxf;
 pub use layout_json::write_layout_json;

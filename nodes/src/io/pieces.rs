@@ -1,5 +1,6 @@
 //! Piece list: what every panel is and where it lies, as CSV for people's tables and JSON for programs.
 
+use super::blocks::Blocks;
 use super::drawing::{DrawingError, by_part};
 use super::lines::{document, json};
 use serde::Serialize;
@@ -181,7 +182,8 @@ pub fn write_pieces_json(parts: &PartSet, layout: &Layout) -> Result<Vec<u8>, Dr
 /// # Errors
 /// [`DrawingError`] when layout and parts do not belong together.
 pub fn write_pieces_csv(parts: &PartSet, layout: &Layout) -> Result<Vec<u8>, DrawingError> {
-    let mut out = String::from(
+    let mut out = Blocks::default();
+    out.push_str(
         "address,board,x,y,turn_deg,thickness,area,volume,sides,lengths,chamfers_deg,neighbours,holes,by_hand\r\n",
     );
     for p in list(parts, layout)? {

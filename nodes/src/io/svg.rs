@@ -1,5 +1,6 @@
 //! Layout drawing as one SVG: boards side by side, pieces with addresses and holes, grain arrows, a title per board.
 
+use super::blocks::Blocks;
 use super::drawing::{Drawing, DrawnPiece, DrawnText, signed_area};
 use super::dxf::board_origin;
 use std::fmt::{Arguments, Write as _};
@@ -33,7 +34,7 @@ pub fn write_svg(drawing: &Drawing, grain: Option<DVec2>, go: &dyn Fn() -> bool)
     let head = 0.09 * size.x;
     let right = board_origin(drawing, drawing.boards.saturating_sub(1)).x + size.x;
     let sheet = DVec2::new(right + 2.0 * edge, size.y + head + 2.0 * edge);
-    let mut svg = Svg { text: String::new(), origin: DVec2::new(edge, edge + head + size.y) };
+    let mut svg = Svg { text: Blocks::default(), origin: DVec2::new(edge, edge + head + size.y) };
     svg.put(format_args!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.2} {1:.2}\" width=\"{0:.2}mm\" height=\"{1:.2}mm\">\
          \n<title>Layout on {2} boards {3} × {4} × {5} mm</title>\n<style>{STYLE}</style>\n\
@@ -41,16 +42,22 @@ pub fn write_svg(drawing: &Drawing, grain: Option<DVec2>, go: &dyn Fn() -> bool)
         sheet.x, sheet.y, drawing.boards, size.x, size.y, drawing.board.thickness,
     ));
     let base = svg.origin;
-    for board in 0..drawing.boards {
-        svg.origin = base + board_origin(drawing, board);
-        svg.board(drawing, board, grain, go);
+    let mut boards = vec![Vec::new(); drawing.boards as usize];
+    for piece in drawing.pieces.iter().take_while(|_| go()) {
+        if let Some(pieces) = boards.get_mut(piece.placement.board as usize) {
+            pieces.push(piece);
+        }
+    }
+    for (board, pieces) in boards.iter().enumerate() {
+        svg.origin = base + board_origin(drawing, board as u32);
+        svg.board(drawing, board, pieces, grain, go);
     }
     svg.text.push_str("</svg>\n");
     svg.text.into_bytes()
 }
 
 struct Svg {
-    text: String,
+    text: Blocks,
     /// Where the board's lower left corner lies on the sheet, whose Y points down.
     origin: DVec2,
 }
@@ -64,12 +71,18 @@ impl Svg {
         DVec2::new(self.origin.x + p.x, self.origin.y - p.y)
     }
 
-    fn board(&mut self, drawing: &Drawing, board: u32, grain: Option<DVec2>, go: &dyn Fn() -> bool) {
+    fn board(
+        &mut self,
+        drawing: &Drawing,
+        board: usize,
+        pieces: &[&DrawnPiece],
+        grain: Option<DVec2>,
+        go: &dyn Fn() -> bool,
+    ) {
         if !go() {
             return;
         }
         let (size, margin) = (drawing.board.size, drawing.board.margin);
-        let pieces: Vec<_> = drawing.pieces.iter().filter(|p| p.placement.board == board).collect();
         let used: f64 = pieces.iter().map(|p| signed_area(&p.piece).abs()).sum();
         let corners =
             |m: f64| [DVec2::splat(m), DVec2::new(size.x - m, m), size - DVec2::splat(m), DVec2::new(m, size.y - m)];
@@ -95,7 +108,7 @@ impl Svg {
         if let Some(direction) = grain.and_then(DVec2::try_normalize) {
             self.grain(DVec2::new(size.x - 1.5 * height, size.y + 1.2 * height), direction, 1.2 * height);
         }
-        for piece in &pieces {
+        for piece in pieces {
             self.polygon("cleared", &piece.cleared);
         }
         for piece in pieces.iter().take_while(|_| go()) {

@@ -5,7 +5,7 @@ use crate::value::{Program, Standing, V};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
-use tenon_engine::{Call, Fail, NodeType, Port, Unit};
+use tenon_engine::{Call, Fail, NodeType, Port, Unit, stop};
 use tenon_geometry::board::{Layout, PartSet};
 use tenon_geometry::proof::{self, ProgramVerdict, ProofError, ProofParams, ProofReport, prove};
 
@@ -57,7 +57,8 @@ fn run(c: &mut Call) -> Result<(), Fail> {
         c.report(Fail::new("proof-failed", format!("{}: {}", verdict.name, why(verdict))).port("programs"));
     }
     let worst = worst_by_board(&report);
-    let judged = programs.iter().zip(&report.programs).map(|(p, v)| judged(p, v, &worst, machine)).collect();
+    let both = programs.iter().zip(&report.programs).inspect(|_| stop::check());
+    let judged = both.map(|(p, v)| judged(p, v, &worst, machine)).collect();
     c.set_list("programs", judged);
     c.set("passed", report.passed());
     c.set("report", V::new(report));

@@ -1,6 +1,6 @@
 //! One list at a time, branch by branch: pick items, a part, shift, dispatch, sort.
 
-use tenon_engine::stop::Stoppable;
+use tenon_engine::stop::{Pending, Stoppable};
 use tenon_engine::{Access, Column, Fail, NodeType, Port};
 
 pub(super) fn nodes() -> Vec<NodeType> {
@@ -85,7 +85,9 @@ fn sublist() -> NodeType {
 }
 
 fn pick(list: &Column, order: &[usize]) -> Column {
-    list.pick(&order.iter().stoppable().copied().map(Some).collect::<Vec<_>>())
+    let mut places = Pending::new(Vec::with_capacity(order.len()));
+    places.extend(order.iter().stoppable().copied().map(Some));
+    list.pick(&places)
 }
 
 fn shift() -> NodeType {

@@ -2,7 +2,7 @@
 
 use super::Carried;
 use serde_json::json;
-use tenon_engine::{Digester, Json};
+use tenon_engine::{Digester, Json, stop};
 use tenon_geometry::proof::ProofReport;
 
 impl Carried for ProofReport {
@@ -31,6 +31,7 @@ impl Carried for ProofReport {
         let programs: Vec<Json> = self
             .programs
             .iter()
+            .inspect(|_| stop::check())
             .map(|p| {
                 json!({
                     "name": p.name, "board": p.board, "pass": p.passed, "motions": p.motions,
@@ -41,6 +42,7 @@ impl Carried for ProofReport {
         let parts: Vec<Json> = self
             .parts
             .iter()
+            .inspect(|_| stop::check())
             .map(|p| match p {
                 Some(p) => json!({
                     "part": p.part, "board": p.board, "pass": p.passed,
