@@ -2,6 +2,7 @@
 
 use crate::tenon::{Folder, NUMBERS};
 use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
 use std::sync::OnceLock;
@@ -415,21 +416,25 @@ fn a_plugin_of_a_later_version_is_loaded() {
     assert_eq!(run(&newer), run(hinges()));
 }
 
-/// The names of the checks that a library fails.
-fn failed(folder: &Folder, library: &str, code: i32) -> Vec<String> {
+/// The checks that a library fails, each with what it found.
+fn failed(folder: &Folder, library: &str, code: i32) -> BTreeMap<String, String> {
     let told = folder.tenon(&["plugin", "check", library, "--json", "--junit", "checks.xml"]).code(code).json();
     let checks = told["checks"].as_array().unwrap();
     assert!(checks.len() >= 40, "{}", checks.len());
     assert_eq!(folder.read("checks.xml").matches("<testcase").count(), checks.len());
-    let name = |c: &Value| c["check"].as_str().unwrap().to_owned();
-    checks.iter().filter(|c| c["passed"] == false).map(name).collect()
+    let book = std::fs::read_to_string(root().join("docs/plugins.md")).unwrap();
+    for check in checks {
+        assert!(book.contains(&format!("`{}`", check["check"].as_str().unwrap())), "{check} is not in the book");
+    }
+    let found = |c: &Value| (c["check"].as_str().unwrap().to_owned(), c["faults"].to_string());
+    checks.iter().filter(|c| c["passed"] == false).map(found).collect()
 }
 
 #[test]
 fn the_examples_pass_every_check() {
     let folder = Folder::new();
     for library in [hinges().to_owned(), rust_example("fastener-rust"), rust_example("curve-rust")] {
-        assert_eq!(failed(&folder, &library, 0), Vec::<String>::new(), "{library}");
+        assert_eq!(failed(&folder, &library, 0), BTreeMap::new(), "{library}");
     }
 }
 
@@ -437,17 +442,39 @@ fn the_examples_pass_every_check() {
 fn a_plugin_that_misbehaves_fails_the_checks_that_it_should() {
     let source = root().join("plugin-sdk/examples/misbehaving-c/misbehaving.c");
     let found = failed(&Folder::new(), &compile(&source, "misbehaving", &["-pthread"]), 1);
-    // What the comments in the source name.
+    // What the comments in the source name: the checks that the node below fails, and no others.
     let text = std::fs::read_to_string(source).unwrap();
-    let comments = text.lines().filter_map(|l| l.strip_prefix("/* ")?.strip_suffix(" */"));
-    let mut named: Vec<String> = comments
-        .flat_map(|c| c.split(':').next().unwrap().split(", ").map(str::to_owned).collect::<Vec<_>>())
-        .filter(|name| !name.contains(' '))
-        .collect();
-    named.sort();
-    let mut sorted = found.clone();
-    sorted.sort();
-    assert_eq!(sorted, named);
+    let mut named: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    let mut checks: Vec<&str> = Vec::new();
+    for line in text.lines() {
+        if let Some(comment) = line.strip_prefix("/* ").and_then(|l| l.strip_suffix(" */")) {
+            let names = comment.split(':').next().unwrap().split(", ");
+            checks = names.filter(|name| !name.contains(' ')).collect();
+            for check in &checks {
+                named.entry(check).or_default();
+            }
+        } else if let Some(node) = line.strip_prefix("EVALUATE(") {
+            let node = node.split(')').next().unwrap();
+            for check in checks.drain(..) {
+                named.entry(check).or_default().insert(node);
+            }
+        }
+    }
+    assert_eq!(found.keys().map(String::as_str).collect::<Vec<_>>(), named.keys().copied().collect::<Vec<_>>());
+    let nodes: BTreeSet<&str> = named.values().flatten().copied().collect();
+    for (check, told) in &found {
+        let told_of = |node: &&&str| told.contains(&format!("misbehaving.{node}"));
+        let guilty: BTreeSet<&str> = nodes.iter().filter(told_of).copied().collect();
+        // A crash and what is wrong with the whole library name no node.
+        assert!(guilty.is_empty() || guilty == named[check.as_str()], "{check}: {told}");
+    }
+    for (check, words) in [
+        ("leaves-inputs-alone", "misbehaving.furtive: it wrote to an input"),
+        ("older-host", "misbehaving.presumptuous: it reads behind what it is given"),
+        ("newer-host", "misbehaving.strict: "),
+    ] {
+        assert!(found[check].contains(words), "{}", found[check]);
+    }
 }
 
 #[test]
@@ -470,7 +497,7 @@ fn a_new_plugin_builds_loads_and_passes() {
     let library = compile(&folder.0.join("acme/acme.c"), "acme", &[]);
     let info = folder.tenon(&["plugin", "info", &library, "--json"]).code(0).json();
     assert_eq!((&info["id"], &info["nodes"][0]["type"]), (&json!("acme"), &json!("acme.butt_hinge")));
-    assert_eq!(failed(&folder, &library, 0), Vec::<String>::new());
+    assert_eq!(failed(&folder, &library, 0), BTreeMap::new());
     folder.tenon(&["plugin", "new", "acme"]).code(2).says(&["there already"]);
     folder.tenon(&["plugin", "new", "../acme"]).code(2).says(&["lower case"]);
     folder.tenon(&["plugin", "new", "rusty"]).code(0);

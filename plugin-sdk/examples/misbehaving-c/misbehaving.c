@@ -30,7 +30,7 @@ static tenon_status give(const tenon_call *call, double y) { return give_as(call
     static tenon_status name(void *data, const tenon_call *call, const tenon_tree *in, uint32_t count)
 #define UNUSED (void)data, (void)call, (void)in, (void)count
 
-/* same-again, same-after-others, same-in-another-instance, same-on-many-threads */
+/* same-again, same-after-others, same-in-another-instance, same-on-many-threads, older-host, newer-host */
 EVALUATE(forgetful) {
     static double sum;
     UNUSED;
@@ -64,6 +64,16 @@ EVALUATE(scribbler) {
     UNUSED;
     double before = number(in);
     *(double *)(uintptr_t)in[0].branches[0].column.items = before + 1;
+    return give(call, before);
+}
+/* leaves-inputs-alone */
+EVALUATE(furtive) {
+    volatile double *x = (volatile double *)(uintptr_t)in[0].branches[0].column.items;
+    double before = *x;
+    UNUSED;
+    /* Afterwards it is as it was. */
+    *x = before + 1;
+    *x = before;
     return give(call, before);
 }
 /* sets-what-it-declares */
@@ -124,6 +134,21 @@ EVALUATE(shortsighted) {
     /* Not by the stride. */
     for (uint64_t i = 0; i < in[0].branches[0].column.count; i++) points += (double)(curves[i].point_count % 1000);
     return give(call, points);
+}
+/* newer-host */
+EVALUATE(strict) {
+    UNUSED;
+    return call->size == sizeof(tenon_call) && in->size == sizeof(tenon_tree) &&
+                   in->branches->column.size == sizeof(tenon_column)
+               ? give(call, number(in))
+               : TENON_FAILED;
+}
+/* older-host */
+EVALUATE(presumptuous) {
+    /* What a later version has there, without a look at call->size. */
+    uint64_t later = *(const volatile uint64_t *)(call + 1);
+    UNUSED, (void)later;
+    return give(call, number(in));
 }
 /* brings-nodes-forward, old-nodes-that-are-none */
 static tenon_status forgetting(void *data, uint32_t from, tenon_str node, void (*tell)(void *, tenon_str), void *to) {
@@ -205,6 +230,7 @@ static const tenon_node_type nodes[] = {
     TYPE(silent, "Fails without a word.", inputs),
     TYPE(deaf, "Does not stop.", inputs),
     TYPE(scribbler, "Writes to its input.", inputs),
+    TYPE(furtive, "Writes to its input and undoes it.", inputs),
     TYPE(liar, "Gives what it did not declare.", inputs),
     TYPE(backwards, "Gets further from its end.", inputs),
     TYPE(wanderer, "Leaves the working directory.", inputs),
@@ -213,6 +239,8 @@ static const tenon_node_type nodes[] = {
     TYPE(fragile, "Crashes.", boundless),
     TYPE(haunting, "Calls back when it is too late.", inputs),
     TYPE(shortsighted, "Goes its own way from curve to curve.", curves),
+    TYPE(strict, "Takes structs of one size only.", inputs),
+    TYPE(presumptuous, "Reads what only later versions have.", inputs),
     {sizeof(tenon_node_type), TENON_PURE, TEXT("misbehaving.outdated"), 2, 1, inputs, outputs, 1, sizeof(tenon_port),
      TEXT("outdated"), TEXT("Misdeeds"), TEXT("Loses its older self."), TEXT("misdeed"), NULL, outdated, forgetting, 1, 0},
     TYPE(doomed, "Dies by some numbers.", boundless),

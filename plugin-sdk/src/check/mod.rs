@@ -2,11 +2,12 @@
 //! be run in a process of its own, since a plugin that is wrong may take its process along.
 
 mod descriptors;
+mod hosts;
 mod instance;
 mod old_nodes;
+mod pages;
 mod runs;
 mod samples;
-mod wide;
 
 use crate::load::{LoadError, Plugin};
 use std::path::Path;

@@ -1,10 +1,11 @@
 //! Checks of what a plugin does.
 
 use super::Check;
+use super::hosts::{Host, Laid};
 use super::instance::another_instance;
 use super::old_nodes::{old_nodes, strange_nodes};
+use super::pages::Touched;
 use super::samples::{Day, Inputs, inputs};
-use super::wide::Wide;
 use crate::abi::plugin::{TENON_ITEM, TENON_TREE};
 use crate::abi::value::*;
 use crate::load::{EvaluateError, Message, Plugin, PluginNode, Sink, Views, Watch, late_calls};
@@ -22,6 +23,8 @@ struct Ran {
     faults: Vec<String>,
     messages: Vec<Message>,
     progress: Vec<f64>,
+    /// What it did with memory that it may only read, where another host than ours gives it.
+    touched: Touched,
     time: Duration,
 }
 
@@ -136,8 +139,8 @@ struct Wish {
     /// How long it may work before `cancelled` says yes.
     cancel_at: Option<Duration>,
     refuse_buffer: Option<u64>,
-    /// Inputs are laid out as by a newer host.
-    wide: bool,
+    /// Who lays out the inputs.
+    host: Host,
 }
 
 fn run_with(node: &PluginNode, inputs: &Inputs, wish: Wish) -> Ran {
@@ -163,19 +166,27 @@ fn run_with(node: &PluginNode, inputs: &Inputs, wish: Wish) -> Ran {
         }
     };
     let watch = Watch { cancelled: &cancelled, progress: &hear, refuse_buffer: wish.refuse_buffer, room: None };
-    let (mut views, mut copies) = (Views::new(inputs), Wide::default());
-    if wish.wide {
-        copies.widen(&mut views);
-    }
+    let views = Views::new(inputs);
+    // SAFETY: views that were just made.
+    let mut laid = (wish.host != Host::Ours).then(|| unsafe { Laid::new(wish.host, views.trees()) });
     let start = Instant::now();
-    let end = node.evaluate_views(&views, watch, &mut sink);
+    let end = node.evaluate_at(&views, watch, &mut sink, |call, trees| match &mut laid {
+        Some(laid) => (laid.call(call), laid.trees()),
+        None => (call, trees),
+    });
     let time = start.elapsed() - sink.own;
+    let touched = laid.map(|laid| laid.touched()).unwrap_or_default();
     let (outputs, infinite, faults, messages) = (sink.outputs, sink.infinite, sink.faults, sink.messages);
-    Ran { end, outputs, infinite, faults, messages, progress: progress.into_inner().unwrap_or_default(), time }
+    let progress = progress.into_inner().unwrap_or_default();
+    Ran { end, outputs, infinite, faults, messages, progress, touched, time }
 }
 
 fn run(node: &PluginNode, day: Day) -> Ran {
-    run_with(node, &inputs(node, day), Wish::default())
+    run_by(Host::Ours, node, day)
+}
+
+fn run_by(host: Host, node: &PluginNode, day: Day) -> Ran {
+    run_with(node, &inputs(node, day), Wish { host, ..Wish::default() })
 }
 
 /// The days of an ordinary life; those that may crash a node have checks of their own.
@@ -340,15 +351,12 @@ pub(super) fn checks() -> Vec<Check> {
         },
         Check {
             name: "leaves-inputs-alone",
-            about: "Inputs are borrowed and read-only: what other nodes read must not change.",
+            about: "Inputs are borrowed and read-only: they lie in memory that cannot be written to, so that a write that is undone is noticed too.",
             run: |p| {
                 each(p, |n| {
                     DAYS.iter().find_map(|day| {
-                        let given = inputs(n, *day);
-                        let before: Vec<String> = given.iter().map(|i| bits(i)).collect();
-                        run_with(n, &given, Wish::default());
-                        let after: Vec<String> = given.iter().map(|i| bits(i)).collect();
-                        (before != after).then(|| format!("an input was written to, inputs \"{day:?}\""))
+                        let touched = run_by(Host::ReadOnly, n, *day).touched;
+                        touched.written.then(|| format!("it wrote to an input, inputs \"{day:?}\""))
                     })
                 })
             },
@@ -366,14 +374,27 @@ pub(super) fn checks() -> Vec<Check> {
             },
         },
         Check {
-            name: "newer-host",
-            about: "A newer host's structs have grown at their ends: a plugin goes from one to the next by the stride given.",
+            name: "older-host",
+            about: "An older host's structs end where those of version 1.0 did, and nothing behind them can be read: a plugin asks their sizes before it takes what is newer, and does the same without it or says why it cannot.",
             run: |p| {
                 each(p, |n| {
-                    let wide = Wish { wide: true, ..Wish::default() };
-                    [Day::Good, Day::Other]
-                        .into_iter()
-                        .find_map(|day| differs(&run(n, day), &run_with(n, &inputs(n, day), wide)))
+                    [Day::Good, Day::Other].into_iter().find_map(|day| {
+                        let old = run_by(Host::Older, n, day);
+                        let says_why = old.end == Err(EvaluateError::Failed)
+                            && old.messages.iter().any(|m| m.severity == TENON_ERROR);
+                        let reads_on = old.touched.passed.then(|| "it reads behind what it is given".to_owned());
+                        reads_on.or_else(|| if says_why { None } else { differs(&run(n, day), &old) })
+                    })
+                })
+            },
+        },
+        Check {
+            name: "newer-host",
+            about: "A newer host's structs have grown at their ends: a plugin goes from one to the next by the stride given, and takes every size that is large enough.",
+            run: |p| {
+                each(p, |n| {
+                    let grown = |day| differs(&run(n, day), &run_by(Host::Newer, n, day));
+                    [Day::Good, Day::Other].into_iter().find_map(grown)
                 })
             },
         },

@@ -252,9 +252,9 @@ impl<'a> Views<'a> {
         Self { inputs, trees: views.iter().map(CTree::get).collect(), _views: views }
     }
 
-    /// The trees, to be laid out otherwise by the checks.
-    pub(crate) fn trees(&mut self) -> &mut [tenon_tree] {
-        &mut self.trees
+    /// The trees, as the checks lay them out otherwise.
+    pub(crate) fn trees(&self) -> &[tenon_tree] {
+        &self.trees
     }
 }
 
@@ -285,6 +285,21 @@ impl PluginNode {
         watch: Watch<'_>,
         sink: &mut dyn Sink,
     ) -> Result<(), EvaluateError> {
+        self.evaluate_at(inputs, watch, sink, |call, trees| (call, trees))
+    }
+
+    /// The same with call and trees where `place` puts them; a plugin in its own process gets its own all the same.
+    ///
+    /// # Errors
+    /// As [`PluginNode::evaluate`].
+    #[inline]
+    pub(crate) fn evaluate_at(
+        &self,
+        inputs: &Views<'_>,
+        watch: Watch<'_>,
+        sink: &mut dyn Sink,
+        place: impl FnOnce(&'static tenon_call, *const tenon_tree) -> (*const tenon_call, *const tenon_tree),
+    ) -> Result<(), EvaluateError> {
         let (evaluate, data) = match &self.body {
             Body::Here { evaluate, data, .. } => (*evaluate, *data),
             Body::Apart(processes, index) => return processes.evaluate(*index, inputs.inputs, watch, sink),
@@ -293,9 +308,10 @@ impl PluginNode {
         let mut running = Running { watch: &watch, stray: AtomicBool::new(false), own: UnsafeCell::new(own) };
         let trees = &inputs.trees;
         let status = Slot::with(&running, |call| {
+            let (call, at) = place(call, trees.as_ptr());
             // SAFETY: the plugin was loaded and never goes; inputs and call live through the call; it does not unwind,
             // says the contract.
-            unsafe { evaluate(data, call, trees.as_ptr(), trees.len() as u32) }
+            unsafe { evaluate(data, call, at, trees.len() as u32) }
         });
         if status == TENON_OK && running.own.get_mut().fault.is_none() && !*running.stray.get_mut() {
             return Ok(());

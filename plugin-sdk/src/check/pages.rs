@@ -1,0 +1,272 @@
+//! Memory that a plugin may read and nothing else: every array on pages of its own that cannot be written to, if wished with
+//! a page behind that cannot be read either. So a write is noticed when it happens, also one that is undone.
+//!
+//! On systems without such pages what was lent is compared with what it was.
+
+/// Where what is lent begins on its pages.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Behind {
+    /// It ends where its pages end, and what lies behind cannot be read.
+    Nothing,
+    /// Zeros follow to the end of a page.
+    Zeros,
+}
+
+/// What a plugin did with the pages.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Touched {
+    /// It wrote to one.
+    pub written: bool,
+    /// It read or wrote behind one.
+    pub passed: bool,
+}
+
+#[cfg(unix)]
+pub(super) use guarded::Pages;
+#[cfg(not(unix))]
+pub(super) use plain::Pages;
+
+#[cfg(unix)]
+mod guarded {
+    use super::{Behind, Touched};
+    use std::alloc::{Layout, handle_alloc_error};
+    use std::ffi::c_void;
+    use std::mem::MaybeUninit;
+    use std::ptr::null_mut;
+    use std::sync::atomic::{AtomicBool, AtomicPtr, Ordering};
+    use std::sync::{Mutex, MutexGuard, PoisonError};
+
+    /// One array's pages.
+    struct Mapping {
+        start: usize,
+        /// Bytes that can be read.
+        open: usize,
+        /// All bytes, the page behind included.
+        length: usize,
+        /// The plugin did what it must not, and may go on since.
+        forced: AtomicBool,
+        next: *const Mapping,
+    }
+
+    /// The mappings that the handler knows, the newest first.
+    static NEWEST: AtomicPtr<Mapping> = AtomicPtr::new(null_mut());
+    static WRITTEN: AtomicBool = AtomicBool::new(false);
+    static PASSED: AtomicBool = AtomicBool::new(false);
+    /// Signals have one handler in a process, so there are pages for one evaluation at a time.
+    static TURN: Mutex<()> = Mutex::new(());
+
+    /// What systems say when memory is touched that must not be: most the first, macOS the second.
+    const SIGNALS: [libc::c_int; 2] = [libc::SIGSEGV, libc::SIGBUS];
+
+    /// Read-only memory for one evaluation. While it lives, signals about it are heard; others end the process as ever.
+    pub(in super::super) struct Pages {
+        behind: Behind,
+        page: usize,
+        mappings: Vec<Box<Mapping>>,
+        before: [libc::sigaction; 2],
+        _turn: MutexGuard<'static, ()>,
+    }
+
+    /// Notes what was touched and lets the plugin go on, so that every node is tried in one process.
+    extern "C" fn touched(signal: libc::c_int, info: *mut libc::siginfo_t, _: *mut c_void) {
+        // SAFETY: the system gives the information with the signal.
+        let address = unsafe { (*info).si_addr() }.addr();
+        let mut at: *const Mapping = NEWEST.load(Ordering::Acquire);
+        // SAFETY: mappings are taken off the list before they go, and what leads to the next never changes.
+        while let Some(mapping) = unsafe { at.as_ref() } {
+            let inside = address.wrapping_sub(mapping.start);
+            if inside < mapping.length && !mapping.forced.swap(true, Ordering::Relaxed) {
+                let flag = if inside < mapping.open { &WRITTEN } else { &PASSED };
+                flag.store(true, Ordering::Relaxed);
+                let (start, all) = (std::ptr::with_exposed_provenance_mut(mapping.start), mapping.length);
+                // SAFETY: a whole mapping of our own, which nobody here holds as a slice meanwhile.
+                if unsafe { libc::mprotect(start, all, libc::PROT_READ | libc::PROT_WRITE) } == 0 {
+                    return;
+                }
+            }
+            at = mapping.next;
+        }
+        // Somebody else's: it is met again when this returns, and then ends the process.
+        // SAFETY: the system's own handling, by its name.
+        unsafe { libc::signal(signal, libc::SIG_DFL) };
+    }
+
+    impl Pages {
+        /// No memory yet. Waits while another evaluation has its pages.
+        pub fn new(behind: Behind) -> Self {
+            let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+            WRITTEN.store(false, Ordering::Relaxed);
+            PASSED.store(false, Ordering::Relaxed);
+            let before = SIGNALS.map(|signal| {
+                let mut before = MaybeUninit::<libc::sigaction>::zeroed();
+                // SAFETY: zeros are an action, and the handler has the form that SA_SIGINFO asks for.
+                unsafe {
+                    let mut action: libc::sigaction = MaybeUninit::zeroed().assume_init();
+                    action.sa_sigaction =
+                        touched as extern "C" fn(libc::c_int, *mut libc::siginfo_t, *mut c_void) as usize;
+                    action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK;
+                    libc::sigaction(signal, &raw const action, before.as_mut_ptr());
+                    before.assume_init()
+                }
+            });
+            // SAFETY: it takes a number only.
+            let page = usize::try_from(unsafe { libc::sysconf(libc::_SC_PAGESIZE) }).unwrap_or(4096);
+            Self { behind, page, mappings: Vec::new(), before, _turn: turn }
+        }
+
+        /// A copy of as many bytes that can only be read. It is aligned to 8 if something may be read behind it, and otherwise
+        /// as far as their number is. O(bytes).
+        ///
+        /// # Safety
+        /// They are there.
+        pub unsafe fn lend(&mut self, from: *const u8, bytes: usize) -> *const u8 {
+            // SAFETY: as the caller vouches.
+            let (at, mapping) = unsafe { self.map(from, bytes) };
+            self.mappings.push(mapping);
+            at
+        }
+
+        /// The same for ever.
+        ///
+        /// # Safety
+        /// As [`Pages::lend`].
+        pub unsafe fn keep(&mut self, from: *const u8, bytes: usize) -> *const u8 {
+            // SAFETY: as the caller vouches.
+            let (at, mapping) = unsafe { self.map(from, bytes) };
+            Box::leak(mapping);
+            at
+        }
+
+        /// # Safety
+        /// As [`Pages::lend`].
+        unsafe fn map(&self, from: *const u8, bytes: usize) -> (*const u8, Box<Mapping>) {
+            let open = bytes.max(1).next_multiple_of(self.page);
+            let length = open + if self.behind == Behind::Nothing { self.page } else { 0 };
+            let (protection, flags) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_PRIVATE | libc::MAP_ANON);
+            // SAFETY: fresh pages, of which nobody knows yet.
+            let start = unsafe { libc::mmap(null_mut(), length, protection, flags, -1, 0) };
+            if start == libc::MAP_FAILED {
+                handle_alloc_error(Layout::from_size_align(length, self.page).unwrap_or(Layout::new::<u8>()));
+            }
+            let skip = if self.behind == Behind::Nothing { open - bytes } else { 0 };
+            // SAFETY: inside the fresh pages; what is copied is there, as the caller vouches.
+            let at = unsafe {
+                let at = start.cast::<u8>().add(skip);
+                at.copy_from_nonoverlapping(from, bytes);
+                libc::mprotect(start, open, libc::PROT_READ);
+                libc::mprotect(start.byte_add(open), length - open, libc::PROT_NONE);
+                at
+            };
+            let start = start.expose_provenance();
+            let next = NEWEST.load(Ordering::Relaxed);
+            let mapping = Box::new(Mapping { start, open, length, forced: AtomicBool::new(false), next });
+            NEWEST.store(std::ptr::from_ref(&*mapping).cast_mut(), Ordering::Release);
+            (at, mapping)
+        }
+
+        /// What was done with what is lent, up to now.
+        pub fn touched(&self) -> Touched {
+            Touched { written: WRITTEN.load(Ordering::Relaxed), passed: PASSED.load(Ordering::Relaxed) }
+        }
+    }
+
+    impl Drop for Pages {
+        fn drop(&mut self) {
+            for (signal, before) in SIGNALS.iter().zip(&self.before) {
+                // SAFETY: what the system gave.
+                unsafe { libc::sigaction(*signal, before, null_mut()) };
+            }
+            NEWEST.store(null_mut(), Ordering::Release);
+            for mapping in &self.mappings {
+                // SAFETY: our own pages, which nobody may look at any more.
+                unsafe { libc::munmap(std::ptr::with_exposed_provenance_mut(mapping.start), mapping.length) };
+            }
+        }
+    }
+}
+
+#[cfg(not(unix))]
+mod plain {
+    use super::{Behind, Touched};
+
+    /// What was lent, beside what it was.
+    pub(in super::super) struct Pages(Vec<(Vec<u64>, Vec<u64>)>);
+
+    impl Pages {
+        /// No memory yet.
+        pub fn new(_: Behind) -> Self {
+            Self(Vec::new())
+        }
+
+        /// A copy of as many bytes, aligned to 8. O(bytes).
+        ///
+        /// # Safety
+        /// They are there.
+        pub unsafe fn lend(&mut self, from: *const u8, bytes: usize) -> *const u8 {
+            let mut copy = vec![0_u64; bytes.div_ceil(8).max(1)];
+            let at = copy.as_mut_ptr().cast::<u8>();
+            // SAFETY: there is room, and as the caller vouches.
+            unsafe { at.copy_from_nonoverlapping(from, bytes) };
+            self.0.push((copy.clone(), copy));
+            self.0.last().map_or(at, |(now, _)| now.as_ptr().cast())
+        }
+
+        /// The same for ever.
+        ///
+        /// # Safety
+        /// As [`Pages::lend`].
+        pub unsafe fn keep(&mut self, from: *const u8, bytes: usize) -> *const u8 {
+            // SAFETY: as the caller vouches.
+            let at = unsafe { self.lend(from, bytes) };
+            self.0.pop().map(|(now, _)| Box::leak(now.into_boxed_slice()));
+            at
+        }
+
+        /// What was done with what is lent, as far as it shows. O(bytes).
+        pub fn touched(&self) -> Touched {
+            Touched { written: self.0.iter().any(|(now, was)| now != was), passed: false }
+        }
+    }
+}
+
+#[cfg(all(test, unix, not(miri)))]
+mod tests {
+    use super::*;
+
+    fn lend(pages: &mut Pages, bytes: &[u8]) -> *const u8 {
+        // SAFETY: a slice is there.
+        unsafe { pages.lend(bytes.as_ptr(), bytes.len()) }
+    }
+
+    #[test]
+    fn writes_are_noticed_also_when_they_are_undone() {
+        let mut pages = Pages::new(Behind::Zeros);
+        let (numbers, others) = (lend(&mut pages, &[1, 2, 3]), lend(&mut pages, &[4, 5, 6]));
+        // SAFETY: lent above; that it cannot be written to is what is tried.
+        unsafe {
+            assert_eq!((*numbers, *others.add(2), *numbers.add(3)), (1, 6, 0));
+            assert_eq!(pages.touched(), Touched::default());
+            let at = others.cast_mut();
+            at.write_volatile(7);
+            at.write_volatile(4);
+            assert_eq!(at.read_volatile(), 4);
+        }
+        assert_eq!(pages.touched(), Touched { written: true, passed: false });
+        drop(pages);
+        assert_eq!(Pages::new(Behind::Zeros).touched(), Touched::default());
+    }
+
+    #[test]
+    fn reading_behind_an_array_is_noticed() {
+        let mut pages = Pages::new(Behind::Nothing);
+        let words = lend(&mut pages, &[1; 24]);
+        assert!(words.addr().is_multiple_of(8));
+        // SAFETY: the first is lent; that the second cannot be read is what is tried.
+        unsafe {
+            assert_eq!(words.add(23).read_volatile(), 1);
+            assert_eq!(pages.touched(), Touched::default());
+            words.add(24).read_volatile();
+        }
+        assert_eq!(pages.touched(), Touched { written: false, passed: true });
+    }
+}
