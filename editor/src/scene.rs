@@ -350,7 +350,7 @@ impl PartBox {
 /// The largest angle between the normals of a panel and of its neighbours, degrees.
 fn fold(panels: &PanelSet, i: usize) -> f64 {
     let normal = panels.normal[i];
-    let neighbours = panels.neighbour[panels.corners(i)].iter().flatten();
+    let neighbours = panels.neighbour[panels.corners(i)].iter().filter_map(|n| n.get());
     let angles = neighbours.filter_map(|n| Some(panels.normal.get(n.panel as usize)?.angle_between(normal)));
     angles.fold(0.0, f64::max).to_degrees()
 }

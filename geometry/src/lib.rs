@@ -14,8 +14,10 @@ pub mod planar;
 pub mod plane;
 pub mod polygon;
 pub mod proof;
+pub mod shared;
 pub mod stock;
 pub mod surface;
 
 pub use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4};
 pub use plane::Plane;
+pub use shared::Shared;

@@ -195,7 +195,7 @@ mod tests {
         assert_eq!(Polygon::of_curve(&open), Err(PolygonError::Open { gap: 5.0 }));
         let closed = Curve::polyline(points, true).unwrap();
         assert_eq!(Polygon::of_curve(&closed).unwrap().area(), 6.0);
-        let pieces = Curve { strip_start: vec![0, 1, 3], ..closed };
+        let pieces = Curve { strip_start: vec![0, 1, 3].into(), ..closed };
         assert_eq!(Polygon::of_curve(&pieces), Err(PolygonError::Pieces { count: 2 }));
     }
 

@@ -127,8 +127,8 @@ fn every_value_of_the_example_graphs_comes_back() {
 #[test]
 fn points_vectors_planes_and_faults_come_back() {
     use tenon_geometry::proof::{Body, Fault, Obstacle, PartFace, ProgramVerdict, ProofReport, Reason};
-    use tenon_geometry::{DVec3, Plane, polygon::Polygon};
-    use tenon_nodes::value::{Point, V, Vector};
+    use tenon_geometry::{DVec3, polygon::Polygon};
+    use tenon_nodes::value::{Plane, Point, V, Vector};
     let odd = DVec3::new(f64::from_bits(0x7ff8_0000_0000_1234), -0.0, f64::MIN_POSITIVE / 3.0);
     let reason = |fault| Reason { line: Some(3), part: None, at: Some(odd), by: 0.25, fault };
     let faults = [
@@ -151,7 +151,7 @@ fn points_vectors_planes_and_faults_come_back() {
     let trees = [
         Tree::list(vec![Point(odd), Point(DVec3::X)]),
         Tree::item(Vector(odd)),
-        Tree::item(V::new(Plane { normal: odd, offset: f64::NEG_INFINITY })),
+        Tree::item(Plane(tenon_geometry::Plane { normal: odd, offset: f64::NEG_INFINITY })),
         Tree::item(V::new(proof)),
         Tree::item(V::new(Polygon::new(vec![DVec3::ZERO, DVec3::X, DVec3::new(0.1, -0.0, 3.0)]).unwrap())),
     ];

@@ -169,9 +169,16 @@ pub(crate) unsafe fn text<'a>(t: tenon_str, what: &'static str) -> Read<&'a str>
     std::str::from_utf8(bytes).map_err(|e| BadValue::Text { what, after: e.valid_up_to() })
 }
 
-/// 0 and 1 as truth values; anything but 0 is true.
-fn truths(bytes: &[u8]) -> Vec<bool> {
-    bytes.iter().map(|b| *b != 0).collect()
+/// 0 and 1 as truth values; anything but 0 is true. O(n), and a copy only of borrowed bytes that are neither.
+fn truths(bytes: Cow<'_, [u8]>) -> Cow<'_, [bool]> {
+    match bytes {
+        // In place: both are one byte.
+        Cow::Owned(v) => Cow::Owned(v.into_iter().map(|b| b != 0).collect()),
+        Cow::Borrowed(v) => match bytemuck::checked::try_cast_slice(v) {
+            Ok(truths) => Cow::Borrowed(truths),
+            Err(_) => v.iter().map(|b| *b != 0).collect(),
+        },
+    }
 }
 
 // SAFETY of all functions below: the caller vouches that every pointer is NULL or leads to as many items as the struct
@@ -293,7 +300,7 @@ impl<'b> Reader<'b> {
                 TENON_NOTHING if c.count == 0 => Items::Opaque { type_name: Cow::Borrowed(""), count: 0 },
                 TENON_BOOLEAN => {
                     fixed(1)?;
-                    Items::Boolean(truths(slice(c.items.cast(), c.count, "booleans")?).into())
+                    Items::Boolean(truths(self.array(c.items.cast(), c.count, "booleans")?))
                 }
                 TENON_INTEGER => {
                     fixed(8)?;
@@ -407,7 +414,7 @@ impl<'b> Reader<'b> {
                 side: self.array(p.side, k, "side")?,
                 back_start: self.array(p.back_start, k, "back_start")?,
                 back_end: self.array(p.back_end, k, "back_end")?,
-                voided: truths(slice(p.voided, k, "voided")?).into(),
+                voided: truths(self.array(p.voided, k, "voided")?),
             }
         };
         panels.check()?;
@@ -482,8 +489,7 @@ impl<'b> Reader<'b> {
             return Ok(None);
         }
         // SAFETY: see above.
-        let valid: &[u8] = unsafe { slice(c.valid, c.count, "valid")? };
-        Ok(Some(Cow::Owned(truths(valid))))
+        unsafe { self.array(c.valid, c.count, "valid") }.map(|valid| Some(truths(valid)))
     }
 
     unsafe fn file<'a>(&mut self, f: &tenon_file) -> Read<File<'a>> {

@@ -166,6 +166,61 @@ static void meshes(tenon_graph *graph) {
     refused(tenon_graph_give(graph, "order.mesh", &tree), TENON_BAD_ARGUMENT, "impossible");
 }
 
+/* Every array of what is shared comes out at the address at which it went in. */
+static void shared(tenon_engine *engine) {
+    tenon_graph *graph;
+    int before = released;
+    must(tenon_graph_load(engine, GRAPH, sizeof GRAPH - 1, NULL, &graph));
+    static tenon_vec3 points[4] = {{0, 0, 0}, {100, 0, 0}, {100, 100, 0}, {0, 100, 0}};
+    static tenon_vec4 line[4] = {{0, 0, 0, 1}, {1, 0, 0, 1}, {1, 1, 0, 1}, {0, 1, 0, 1}};
+    static tenon_address addresses[1] = {{0, 2, 3}};
+    static uint32_t strips[3] = {0, 2, 4}, start[2] = {0, 4}, vertices[4] = {0, 1, 2, 3};
+    static tenon_plane planes[4] = {{{0, 0, 1}, 0}, {{0, 0, 1}, 5}, {{0, 1, 0}, 5}, {{1, 0, 0}, 5}};
+    static tenon_edge none[4] = {{TENON_NONE, TENON_NONE}, {TENON_NONE, TENON_NONE}, {TENON_NONE, TENON_NONE},
+                                 {TENON_NONE, TENON_NONE}};
+    static uint8_t sides[4] = {0, 1, 2, 3}, voided[4] = {0, 0, 1, 0}, valid[4] = {1, 0, 1, 1};
+    tenon_curve curve = {.size = sizeof curve, .points = line, .point_count = 4, .strip_start = strips, .strip_count = 2};
+    tenon_mesh mesh = {.size = sizeof mesh, .points = points, .point_count = 4, .face_start = start, .face_count = 1,
+                       .face_vertices = vertices, .face_vertex_count = 4, .addresses = addresses};
+    tenon_panels panels = {.size = sizeof panels, .thickness = 10, .panel_count = 1, .corner_count = 4,
+                           .corner_start = start, .address = addresses, .normal = &planes[0].normal, .front = points,
+                           .vertex = vertices, .chamfer = planes, .neighbour = none, .side = sides,
+                           .back_start = points, .back_end = points, .voided = voided};
+    tenon_branch branches[5] = {
+        {.column = COLUMN(TENON_CURVE, tenon_curve, &curve, 1)}, {.column = COLUMN(TENON_MESH, tenon_mesh, &mesh, 1)},
+        {.column = COLUMN(TENON_PANELS, tenon_panels, &panels, 1)}, {.column = COLUMN(TENON_POINT, tenon_vec3, points, 4)},
+        {.column = COLUMN(TENON_PLANE, tenon_plane, planes, 4)},
+    };
+    branches[3].column.valid = valid;
+    for (int i = 0; i < 5; i++) {
+        tenon_tree tree = TREE(&branches[i]), out = {.size = sizeof out};
+        must(tenon_graph_share(graph, "list.items", &tree, release, &released));
+        tenon_result *result = evaluate(graph, "list.items");
+        must(tenon_result_output(result, "list.items", &out));
+        const tenon_column *column = &out.branches[0].column;
+        CHECK(column->kind == branches[i].column.kind && column->valid == branches[i].column.valid);
+        if (i == 0) {
+            const tenon_curve *c = column->items;
+            CHECK(c->points == line && c->strip_start == strips && c->strip_count == 2);
+        } else if (i == 1) {
+            const tenon_mesh *m = column->items;
+            CHECK(m->points == points && m->face_start == start && m->face_vertices == vertices);
+            CHECK(m->addresses == addresses);
+        } else if (i == 2) {
+            const tenon_panels *p = column->items;
+            CHECK(p->corner_start == start && p->address == addresses && p->normal == &planes[0].normal);
+            CHECK(p->front == points && p->vertex == vertices && p->chamfer == planes && p->neighbour == none);
+            CHECK(p->side == sides && p->back_start == points && p->back_end == points && p->voided == voided);
+        } else {
+            CHECK(column->items == branches[i].column.items);
+        }
+        CHECK(released < before + i + 1);
+        tenon_result_free(result);
+    }
+    tenon_graph_free(graph);
+    CHECK(released == before + 5);
+}
+
 static void wrong(tenon_graph *graph, const char *shell) {
     double number = 1.0;
     tenon_branch branch = {.column = COLUMN(TENON_NUMBER, double, &number, 1)};
@@ -219,6 +274,7 @@ int main(int argc, char **argv) {
     must(tenon_graph_load(engine, GRAPH, sizeof GRAPH - 1, NULL, &graph));
     arrays(graph);
     meshes(graph);
+    shared(engine);
     wrong(graph, argv[1]);
 
     /* Sharing with a graph that goes first. */

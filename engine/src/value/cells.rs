@@ -42,7 +42,7 @@ pub(super) trait ColumnData: Send + Sync {
 pub(super) struct Typed<T: Send + 'static> {
     pub items: Items<T>,
     /// Present only if there is at least one gap.
-    pub valid: Option<Box<[bool]>>,
+    pub valid: Option<Items<bool>>,
     pub digest: u128,
     pub bytes: usize,
 }

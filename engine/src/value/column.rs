@@ -45,13 +45,46 @@ impl Column {
     }
 
     /// A column without gaps of items that somebody else owns: `owner` is kept as long as they are looked at, and must
-    /// give the same items every time. O(n): the digest is made here.
+    /// give the same items every time. One item alone is copied. O(n): the digest is made here.
     #[must_use]
     pub fn lent<T: Item>(owner: impl AsRef<[T]> + Send + Sync + 'static) -> Self {
-        let items: Items<T> = Items::Lent(Box::new(owner));
-        let digest = digest(&items, None);
-        let bytes = size_of::<Typed<T>>() + size_of_val(&*items) + items.iter().map(Item::heap_bytes).sum::<usize>();
-        Self(Data::Shared(Arc::new(Typed { items, valid: None, digest, bytes })))
+        match owner.as_ref() {
+            [one] => Self::single(one.clone()),
+            _ => Self::typed(Items::Lent(Box::new(owner)), None),
+        }
+    }
+
+    /// The same with gaps: `valid` tells per item whether it is there, and is kept as well. O(n). Items that it does not
+    /// tell of are gaps.
+    #[must_use]
+    pub fn lent_with_gaps<T: Item>(
+        owner: impl AsRef<[T]> + Send + Sync + 'static,
+        valid: impl AsRef<[bool]> + Send + Sync + 'static,
+    ) -> Self {
+        let (told, items) = (valid.as_ref(), owner.as_ref().len());
+        let valid = match told.len() == items {
+            true if !told.contains(&false) => return Self::lent(owner),
+            true => Items::Lent(Box::new(valid)),
+            false => Items::Own(padded(told.to_vec(), items).into()),
+        };
+        Self::typed(Items::Lent(Box::new(owner)), Some(valid))
+    }
+
+    fn typed<T: Item>(items: Items<T>, valid: Option<Items<bool>>) -> Self {
+        let digest = digest(&items, valid.as_deref());
+        let bytes = size_of::<Typed<T>>()
+            + size_of_val(&*items)
+            + items.iter().map(Item::heap_bytes).sum::<usize>()
+            + valid.as_ref().map_or(0, |v| v.len());
+        Self(Data::Shared(Arc::new(Typed { items, valid, digest, bytes })))
+    }
+
+    /// A column of items of which some are gaps: `valid` tells per item whether it is there. What stands in a gap is never
+    /// looked at. O(n) for the digest; both lists are kept as they are. Items that `valid` does not tell of are gaps.
+    #[must_use]
+    pub fn with_valid<T: Item>(items: Vec<T>, valid: Vec<bool>) -> Self {
+        let valid = padded(valid, items.len());
+        Self::build(items, Some(valid))
     }
 
     /// A column in which `None` is a gap. O(n).
@@ -65,19 +98,14 @@ impl Column {
     }
 
     pub(crate) fn build<T: Item>(mut items: Vec<T>, valid: Option<Vec<bool>>) -> Self {
-        let valid = valid.filter(|v| v.contains(&false)).map(Vec::into_boxed_slice);
+        let valid = valid.filter(|v| v.contains(&false)).map(|v| Items::Own(v.into_boxed_slice()));
         if items.len() == 1
             && valid.is_none()
             && let Some(item) = items.pop()
         {
             return Self::single(item);
         }
-        let digest = digest(&items, valid.as_deref());
-        let bytes = size_of::<Typed<T>>()
-            + size_of_val(items.as_slice())
-            + items.iter().map(Item::heap_bytes).sum::<usize>()
-            + valid.as_ref().map_or(0, |v| v.len());
-        Self(Data::Shared(Arc::new(Typed { items: Items::Own(items.into_boxed_slice()), valid, digest, bytes })))
+        Self::typed(Items::Own(items.into_boxed_slice()), valid)
     }
 
     /// The number, if that is all that the column is.
@@ -111,7 +139,7 @@ impl Column {
         if self.as_number().is_some() { TypeId::of::<f64>() } else { self.data().item_type() }
     }
 
-    /// All items as a slice, if they are of type `T`; gaps hold `T::default()`, ask [`Column::is_valid`].
+    /// All items as a slice, if they are of type `T`; what stands in a gap means nothing, ask [`Column::is_valid`].
     #[must_use]
     pub fn slice<T: Item>(&self) -> Option<&[T]> {
         let any = match &self.0 {
@@ -196,8 +224,9 @@ impl Column {
         self.data().range(range)
     }
 
-    /// The gaps, if there are any.
-    pub(crate) fn valid(&self) -> Option<&[bool]> {
+    /// Per item whether it is there; `None`: all are.
+    #[must_use]
+    pub fn valid(&self) -> Option<&[bool]> {
         self.data().valid()
     }
 
@@ -227,6 +256,12 @@ impl Column {
     }
 }
 
+/// As many entries as there are items; those that were missing say no.
+fn padded(mut valid: Vec<bool>, items: usize) -> Vec<bool> {
+    valid.resize(items, false);
+    valid
+}
+
 impl std::fmt::Debug for Column {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}{}", self.type_name(), self.to_json())
@@ -248,6 +283,22 @@ mod tests {
         let c = Column::with_gaps(vec![Some(1.0), None, Some(3.0)]);
         assert_eq!((c.len(), c.get::<f64>(0), c.get::<f64>(1), c.get::<f64>(2)), (3, Some(&1.0), None, Some(&3.0)));
         assert_eq!(c.to_json(), serde_json::json!([1.0, null, 3.0]));
+    }
+
+    #[test]
+    fn what_stands_in_a_gap_makes_no_difference() {
+        let gaps = Column::with_gaps(vec![Some(1.0), None, Some(3.0)]);
+        let own = Column::with_valid(vec![1.0, 2.0, 3.0], vec![true, false, true]);
+        static ITEMS: [f64; 3] = [1.0, f64::NAN, 3.0];
+        let lent = Column::lent_with_gaps(&ITEMS, &[true, false, true]);
+        assert_eq!(lent.slice::<f64>().map(<[f64]>::as_ptr), Some(ITEMS.as_ptr()));
+        assert_eq!((&own, &lent), (&gaps, &gaps));
+        assert_eq!((own.pick(&[Some(1), Some(2)]), lent.get::<f64>(1)), (gaps.pick(&[Some(1), Some(2)]), None));
+        assert_eq!(Column::lent_with_gaps(&ITEMS[..1], &[true]), Column::new(vec![1.0]));
+        // Items that nothing is said of are gaps.
+        let short = Column::with_gaps(vec![Some(1.0), None, None]);
+        assert_eq!(Column::lent_with_gaps(&ITEMS, &[true]), short);
+        assert_eq!(Column::with_valid(vec![1.0, 2.0, 3.0], vec![true]), short);
     }
 
     #[test]

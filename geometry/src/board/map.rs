@@ -5,6 +5,7 @@ use super::part::{PartSet, Up};
 use crate::joint::{Feature, FeatureSet, Machining};
 use crate::panel::PanelSet;
 use crate::plane::Plane;
+use crate::shared::Shared;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// What of a panel is laid along the board's grain axis.
@@ -92,17 +93,20 @@ pub fn map_parts(
 ) -> (PartSet, Vec<MapIssue>) {
     let mut issues = Vec::new();
     let mut mapped = panels.clone();
+    let (normal, chamfer) = (mapped.normal.to_mut(), mapped.chamfer.to_mut());
+    let lines = [&mut mapped.front, &mut mapped.back_start, &mut mapped.back_end];
+    let mut lines = lines.map(Shared::to_mut);
     let mut frame = Vec::with_capacity(panels.len());
     for i in (0..panels.len()).take_while(|_| go()) {
         let (motion, issue) = if panels.is_valid(i) { motion(panels, i, params) } else { (DAffine3::IDENTITY, None) };
         issues.extend(issue);
         frame.push(motion);
-        mapped.normal[i] = motion.transform_vector3(panels.normal[i]);
+        normal[i] = motion.transform_vector3(panels.normal[i]);
         for k in panels.corners(i) {
-            for column in [&mut mapped.front, &mut mapped.back_start, &mut mapped.back_end] {
+            for column in &mut lines {
                 column[k] = motion.transform_point3(column[k]);
             }
-            mapped.chamfer[k] = plane(&motion, panels.chamfer[k]);
+            chamfer[k] = plane(&motion, panels.chamfer[k]);
         }
     }
     frame.resize(panels.len(), DAffine3::IDENTITY);
@@ -230,7 +234,7 @@ mod tests {
             let m = parts.frame[0].matrix3;
             prop_assert!((m.determinant() - 1.0).abs() < 1e-12);
             prop_assert!((m * m.transpose() - DMat3::IDENTITY).to_cols_array().iter().all(|v| v.abs() < 1e-12));
-            let all = |p: &PanelSet| [p.front.clone(), p.back_start.clone(), p.back_end.clone()].concat();
+            let all = |p: &PanelSet| [&*p.front, &p.back_start, &p.back_end].concat();
             let (a, b) = (all(&set), all(&parts.panels));
             for i in 0..a.len() {
                 for j in 0..i {

@@ -1,7 +1,7 @@
 //! Panels by hand for the tests of boards and motion: convex polygons with chosen chamfers and voided nodes.
 
 use crate::mesh::Address;
-use crate::panel::{PanelSet, Side};
+use crate::panel::{Neighbour, PanelSet, Side};
 use crate::plane::Plane;
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use proptest::prelude::*;
@@ -22,7 +22,7 @@ pub fn slanted_quad(l: f64, h: f64, shear: f64, lean: [f64; 4]) -> Shape {
 
 /// A panel set whose panels lie on the xy plane (front up, wood below) before `pose` moves them.
 pub fn panel_set(shapes: &[Shape], thickness: f64, pose: DAffine3) -> PanelSet {
-    let mut set = PanelSet { thickness, corner_start: vec![0], ..PanelSet::default() };
+    let mut set = PanelSet { thickness, corner_start: vec![0].into(), ..PanelSet::default() };
     for (i, shape) in shapes.iter().enumerate() {
         let n = shape.front.len();
         let planes: Vec<Plane> = (0..n)
@@ -43,21 +43,21 @@ pub fn panel_set(shapes: &[Shape], thickness: f64, pose: DAffine3) -> PanelSet {
             let next = (k + 1) % n;
             let along = (back[next] - back[k]).normalize();
             let (start, end) = (back[k] + along * shape.void[k], back[next] - along * shape.void[next]);
-            set.front.push(pose.transform_point3(shape.front[k].extend(0.0)));
-            set.back_start.push(pose.transform_point3(start.extend(-thickness)));
-            set.back_end.push(pose.transform_point3(end.extend(-thickness)));
-            set.chamfer.push(Plane::through(
+            set.front.to_mut().push(pose.transform_point3(shape.front[k].extend(0.0)));
+            set.back_start.to_mut().push(pose.transform_point3(start.extend(-thickness)));
+            set.back_end.to_mut().push(pose.transform_point3(end.extend(-thickness)));
+            set.chamfer.to_mut().push(Plane::through(
                 pose.transform_point3(shape.front[k].extend(0.0)),
                 pose.transform_vector3(planes[k].normal),
             ));
-            set.vertex.push((i * 16 + k) as u32);
-            set.neighbour.push(None);
-            set.side.push(Side::Other);
-            set.voided.push(shape.void[k] > 0.0);
+            set.vertex.to_mut().push((i * 16 + k) as u32);
+            set.neighbour.to_mut().push(Neighbour::NONE);
+            set.side.to_mut().push(Side::Other);
+            set.voided.to_mut().push(shape.void[k] > 0.0);
         }
-        set.normal.push(pose.transform_vector3(DVec3::Z));
-        set.address.push(Address { patch: 0, row: i as u32, column: 0 });
-        set.corner_start.push(set.front.len() as u32);
+        set.normal.to_mut().push(pose.transform_vector3(DVec3::Z));
+        set.address.to_mut().push(Address { patch: 0, row: i as u32, column: 0 });
+        set.corner_start.to_mut().push(set.front.len() as u32);
     }
     set
 }

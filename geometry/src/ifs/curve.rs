@@ -1,6 +1,7 @@
 //! The figure that a scheme draws: homogeneous points in strips, and the word that names each segment (000 §5.3).
 
 use super::error::CurveError;
+use crate::shared::Shared;
 use glam::{DVec3, DVec4, Vec4Swizzles};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -12,9 +13,9 @@ use std::ops::Range;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
     /// Homogeneous points (WX, WY, WZ, W), all W > 0, in drawing order. A closed curve does not repeat its first point.
-    pub points: Vec<DVec4>,
+    pub points: Shared<DVec4>,
     /// Where each strip starts; one longer than the number of strips, first entry 0.
-    pub strip_start: Vec<u32>,
+    pub strip_start: Shared<u32>,
     /// Whether the last point is joined to the first (a single strip of at least 3 points then).
     pub closed: bool,
     /// Names of the segments.
@@ -128,7 +129,12 @@ impl Curve {
     ///
     /// # Errors
     /// As [`Curve::polyline`], for every strip; [`CurveError::Strips`].
-    pub fn strips_of(points: Vec<DVec4>, strip_start: Vec<u32>, closed: bool) -> Result<Self, CurveError> {
+    pub fn strips_of(
+        points: impl Into<Shared<DVec4>>,
+        strip_start: impl Into<Shared<u32>>,
+        closed: bool,
+    ) -> Result<Self, CurveError> {
+        let (points, strip_start) = (points.into(), strip_start.into());
         let needed = if closed { 3 } else { 2 };
         let strips = strip_start.len().saturating_sub(1);
         let ends = [strip_start.first(), strip_start.last()].map(|e| e.map(|e| *e as usize));
@@ -153,7 +159,7 @@ impl Curve {
                 return Err(CurveError::Weight { word: words.word(i.min(segments - 1)), weight: p.w });
             }
         }
-        Ok(Self { strip_start, points, closed, words })
+        Ok(Self { points, strip_start, closed, words })
     }
 
     /// Number of strips.

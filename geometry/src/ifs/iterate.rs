@@ -205,7 +205,7 @@ impl Figure {
                 return Err(CurveError::WeightJump { patch, end: end.w, start: start.w });
             }
         }
-        Ok(Curve { strip_start: vec![0, points.len() as u32], points, closed, words: self.words })
+        Ok(Curve { strip_start: vec![0, points.len() as u32].into(), points: points.into(), closed, words: self.words })
     }
 
     /// Divides a figure that is not connected into its strips; shared points of neighbours are merged.
@@ -214,7 +214,7 @@ impl Figure {
         let count = points.len() / size;
         if continuity.scattered() {
             let strip_start = (0..=count).map(|e| (e * size) as u32).collect();
-            return Curve { points, strip_start, closed: false, words: self.words };
+            return Curve { points: points.into(), strip_start, closed: false, words: self.words };
         }
         let elements = (self.words.base as usize).pow(self.words.digits);
         let (mut kept, mut strip_start) = (Vec::with_capacity(points.len()), Vec::new());
@@ -227,6 +227,6 @@ impl Figure {
             joined = continuity.joined_after(e % elements);
         }
         strip_start.push(kept.len() as u32);
-        Curve { points: kept, strip_start, closed: false, words: self.words }
+        Curve { points: kept.into(), strip_start: strip_start.into(), closed: false, words: self.words }
     }
 }

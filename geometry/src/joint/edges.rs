@@ -31,7 +31,7 @@ impl JointEdge {
 /// Whether a rule for `selection` is for this edge.
 fn selects(set: &PanelSet, selection: EdgeSelection, edge: EdgeRef) -> bool {
     let c = set.corners(edge.panel as usize).start + edge.edge as usize;
-    let inner = set.neighbour[c].is_some();
+    let inner = set.neighbour[c].get().is_some();
     match selection {
         EdgeSelection::All => true,
         EdgeSelection::Inner => inner,
@@ -50,7 +50,7 @@ pub fn select_edges(set: &PanelSet, selection: EdgeSelection, head: Head) -> Vec
         for edge in 0..set.corners(panel as usize).len() as u32 {
             let own = EdgeRef { panel, edge };
             let c = set.corners(panel as usize).start + edge as usize;
-            let other = set.neighbour[c];
+            let other = set.neighbour[c].get();
             if !selects(set, selection, own) || other.is_some_and(|n| n < own) {
                 continue;
             }

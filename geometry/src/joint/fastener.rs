@@ -204,7 +204,7 @@ impl<'a> Lay<'a> {
 
     fn edge(&mut self, rule: &FastenerRule, EdgeRef { panel, edge }: EdgeRef) {
         let c = self.set.corners(panel as usize).start + edge as usize;
-        let neighbour = self.set.neighbour[c];
+        let neighbour = self.set.neighbour[c].get();
         let (own, other) = (self.half(panel, edge), neighbour.map(|n| self.half(n.panel, n.edge)));
         let height = match rule.height {
             Height::At(height) => height,

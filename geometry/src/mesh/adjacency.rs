@@ -1,6 +1,7 @@
 //! Who meets whom: the half-edge twin table of a mesh and the corners around each vertex, both as flat columns.
 
 use super::{Mesh, MeshError};
+use crate::shared::Shared;
 
 const NONE: u32 = u32::MAX;
 
@@ -11,7 +12,7 @@ const NONE: u32 = u32::MAX;
 pub struct Adjacency {
     twin: Vec<u32>,
     face: Vec<u32>,
-    start: Vec<u32>,
+    start: Shared<u32>,
     fan_start: Vec<u32>,
     fan: Vec<u32>,
 }
@@ -240,19 +241,19 @@ mod tests {
         let refuse = |mesh: &Mesh| Adjacency::new(mesh).unwrap_err();
         let mut mesh = Mesh::from_faces(points(3), &[[0, 1, 7]]);
         assert_eq!(refuse(&mesh), MeshError::NoSuchVertex { face: 0, vertex: 7, vertices: 3 });
-        mesh.face_vertices[2] = 1;
+        mesh.face_vertices.to_mut()[2] = 1;
         assert_eq!(refuse(&mesh), MeshError::RepeatedVertex { face: 0, vertex: 1 });
-        mesh.face_vertices[2] = 2;
-        mesh.points[1].y = f64::NAN;
+        mesh.face_vertices.to_mut()[2] = 2;
+        mesh.points.to_mut()[1].y = f64::NAN;
         assert_eq!(refuse(&mesh), MeshError::NotFinite { vertex: 1 });
-        mesh.points[1].y = f64::INFINITY;
+        mesh.points.to_mut()[1].y = f64::INFINITY;
         assert_eq!(refuse(&mesh), MeshError::NotFinite { vertex: 1 });
-        mesh.points[1].y = 0.0;
-        mesh.face_start = vec![0, 2, 3];
+        mesh.points.to_mut()[1].y = 0.0;
+        mesh.face_start = vec![0, 2, 3].into();
         assert_eq!(refuse(&mesh), MeshError::FewCorners { face: 0, corners: 2 });
-        mesh.face_start = vec![0, 9];
+        mesh.face_start = vec![0, 9].into();
         assert_eq!(refuse(&mesh), MeshError::BrokenRows { face: 0, from: 0, to: 9, corners: 3 });
-        mesh.face_start = vec![];
+        mesh.face_start = vec![].into();
         assert!(matches!(refuse(&mesh), MeshError::BrokenRows { .. }));
         assert!(Adjacency::new(&Mesh::default()).is_ok());
     }

@@ -118,7 +118,12 @@ mod tests {
     fn fault(corners: &[(f64, f64)]) -> Option<FaceFault> {
         let points: Vec<DVec3> = corners.iter().map(|&(x, y)| DVec3::new(x, y, 0.0)).collect();
         let n = points.len() as u32;
-        let mesh = Mesh { points, face_start: vec![0, n], face_vertices: (0..n).collect(), addresses: Vec::new() };
+        let mesh = Mesh {
+            points: points.into(),
+            face_start: vec![0, n].into(),
+            face_vertices: (0..n).collect(),
+            addresses: crate::shared::Shared::default(),
+        };
         mesh.face_fault(0, 1e-3, 1e-6)
     }
 

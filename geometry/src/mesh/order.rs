@@ -136,7 +136,7 @@ pub fn order_faces(mesh: &Mesh, params: &OrderParams) -> Result<Ordered, MeshErr
 
 /// Whether every face has an address of its own.
 fn is_addressed(mesh: &Mesh) -> bool {
-    let mut addresses = mesh.addresses.clone();
+    let mut addresses = mesh.addresses.to_vec();
     addresses.sort_unstable();
     addresses.dedup();
     !mesh.addresses.is_empty() && addresses.len() == mesh.face_count()
@@ -168,12 +168,7 @@ fn find_grids(mesh: &Mesh, adjacency: &Adjacency, params: &OrderParams) -> Optio
 /// Faces in patch order, loops turned to their first corners. Returns the old index of each face as well.
 fn lay_out(mesh: &Mesh, adjacency: &Adjacency, grids: &[Walked]) -> (Mesh, Vec<Patch>, Vec<u32>) {
     let faces = mesh.face_count();
-    let mut out = Mesh {
-        points: mesh.points.clone(),
-        face_start: (0..=faces as u32).map(|f| 4 * f).collect(),
-        face_vertices: Vec::with_capacity(4 * faces),
-        addresses: Vec::with_capacity(faces),
-    };
+    let (mut face_vertices, mut addresses) = (Vec::with_capacity(4 * faces), Vec::with_capacity(faces));
     let (mut patches, mut order) = (Vec::with_capacity(grids.len()), Vec::with_capacity(faces));
     for (patch, grid) in grids.iter().enumerate() {
         let (first, columns) = (order.len() as u32, grid.columns);
@@ -181,14 +176,20 @@ fn lay_out(mesh: &Mesh, adjacency: &Adjacency, grids: &[Walked]) -> (Mesh, Vec<P
         for (k, &corner) in grid.corners.iter().enumerate() {
             let mut c = corner;
             for _ in 0..4 {
-                out.face_vertices.push(mesh.face_vertices[c as usize]);
+                face_vertices.push(mesh.face_vertices[c as usize]);
                 c = adjacency.next(c);
             }
             let k = k as u32;
-            out.addresses.push(Address { patch: patch as u32, row: k / columns, column: k % columns });
+            addresses.push(Address { patch: patch as u32, row: k / columns, column: k % columns });
             order.push(adjacency.face_of(corner));
         }
     }
+    let out = Mesh {
+        points: mesh.points.clone(),
+        face_start: (0..=faces as u32).map(|f| 4 * f).collect(),
+        face_vertices: face_vertices.into(),
+        addresses: addresses.into(),
+    };
     (out, patches, order)
 }
 

@@ -14,16 +14,16 @@ fn soup(mesh: &Mesh, seed: u64, turn_over: bool) -> Mesh {
     for i in (1..faces.len()).rev() {
         faces.swap(i, random(i + 1));
     }
-    let mut out = Mesh { face_start: vec![0], ..Mesh::default() };
+    let mut out = Mesh { face_start: vec![0].into(), ..Mesh::default() };
     for f in faces {
         let corners = mesh.face(f);
         let (n, turn, over) = (corners.len(), random(corners.len()), turn_over && random(2) == 1);
         for k in 0..n {
             let k = if over { n - k } else { k };
-            out.face_vertices.push(out.points.len() as u32);
-            out.points.push(mesh.points[corners[(k + turn) % n] as usize]);
+            out.face_vertices.to_mut().push(out.points.len() as u32);
+            out.points.to_mut().push(mesh.points[corners[(k + turn) % n] as usize]);
         }
-        out.face_start.push(out.points.len() as u32);
+        out.face_start.to_mut().push(out.points.len() as u32);
     }
     out
 }
@@ -151,7 +151,7 @@ fn an_l_shape_falls_into_three_patches() {
     let full = grid_with(4, 4, curved);
     let faces: Vec<[u32; 4]> =
         (0..16).filter(|f| f % 4 < 2 || f / 4 < 2).map(|f| full.face(f).try_into().unwrap()).collect();
-    let shape = Mesh::from_faces(full.points.clone(), &faces);
+    let shape = Mesh::from_faces(full.points.to_vec(), &faces);
     for seed in 0..8 {
         let ordered = order_faces(&soup(&shape, seed, false), &OrderParams::default()).unwrap();
         assert_eq!(ordered.kind, OrderKind::Patches);
@@ -163,7 +163,7 @@ fn an_l_shape_falls_into_three_patches() {
 #[test]
 fn a_cube_falls_into_its_six_sides() {
     // Each side 2 x 2: only the eight corners of the cube are irregular.
-    let mut shape = Mesh { face_start: vec![0], ..Mesh::default() };
+    let mut shape = Mesh { face_start: vec![0].into(), ..Mesh::default() };
     for (axis, sign) in (0..3).flat_map(|a| [(a, -1.0), (a, 1.0)]) {
         let side = grid_with(2, 2, |x, y| {
             let flat = [[x - 1.0, y - 1.0], [y - 1.0, x - 1.0]][usize::from(sign < 0.0)];
@@ -174,10 +174,10 @@ fn a_cube_falls_into_its_six_sides() {
             DVec3::from(p) * 100.0
         });
         let base = shape.points.len() as u32;
-        shape.points.extend(&side.points);
-        shape.face_vertices.extend(side.face_vertices.iter().map(|v| v + base));
+        shape.points.to_mut().extend(&side.points);
+        shape.face_vertices.to_mut().extend(side.face_vertices.iter().map(|v| v + base));
         let corners = shape.face_vertices.len() as u32 - 16;
-        shape.face_start.extend(side.face_start[1..].iter().map(|s| s + corners));
+        shape.face_start.to_mut().extend(side.face_start[1..].iter().map(|s| s + corners));
     }
     let ordered = order_faces(&shape, &OrderParams::default()).unwrap();
     assert_eq!((ordered.kind, ordered.patches.len(), ordered.mesh.points.len()), (OrderKind::Patches, 6, 26));
@@ -189,7 +189,7 @@ fn a_cube_falls_into_its_six_sides() {
 #[test]
 fn triangles_and_twisted_tori_are_plain() {
     let quad = grid_with(1, 1, curved);
-    let triangles = Mesh::from_faces(quad.points.clone(), &[[0, 1, 2], [1, 3, 2]]);
+    let triangles = Mesh::from_faces(quad.points.to_vec(), &[[0, 1, 2], [1, 3, 2]]);
     let ordered = order_faces(&triangles, &OrderParams::default()).unwrap();
     assert_eq!(ordered.kind, OrderKind::PlainNotQuads);
     assert_eq!(ordered.mesh.addresses[1], Address { patch: 0, row: 0, column: 1 });
@@ -206,10 +206,10 @@ fn triangles_and_twisted_tori_are_plain() {
 fn given_addresses_stay() {
     let mut grid = grid_with(2, 2, curved);
     let address = |row, column| Address { patch: 3, row, column };
-    grid.addresses = vec![address(1, 1), address(1, 0), address(0, 1), address(0, 0)];
+    grid.addresses = vec![address(1, 1), address(1, 0), address(0, 1), address(0, 0)].into();
     let ordered = order_faces(&grid, &OrderParams::default()).unwrap();
     assert_eq!((ordered.kind, &ordered.mesh), (OrderKind::Kept, &grid));
-    grid.addresses[0] = grid.addresses[1];
+    grid.addresses.to_mut()[0] = grid.addresses[1];
     assert_eq!(order_faces(&grid, &OrderParams::default()).unwrap().kind, OrderKind::Grid);
 }
 
@@ -220,7 +220,7 @@ fn meshes_that_are_no_surface_are_refused() {
     let error = order_faces(&fins, &OrderParams::default()).unwrap_err();
     assert_eq!(error, MeshError::NotManifold { edge: [0, 1], faces: vec![0, 1, 2] });
     assert_eq!(
-        order_faces(&Mesh { face_start: vec![0], ..Mesh::default() }, &OrderParams::default()).unwrap().kind,
+        order_faces(&Mesh { face_start: vec![0].into(), ..Mesh::default() }, &OrderParams::default()).unwrap().kind,
         OrderKind::Patches
     );
 }

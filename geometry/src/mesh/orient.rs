@@ -2,6 +2,7 @@
 
 use super::adjacency::EdgePairs;
 use super::{Mesh, MeshError};
+use crate::shared::Shared;
 use glam::DVec3;
 
 /// Which side of a connected piece of mesh becomes its front.
@@ -92,13 +93,14 @@ pub fn orient(mesh: &Mesh, front: Front) -> Result<Oriented, MeshError> {
         }
     }
     let mut out = mesh.clone();
+    let vertices = out.face_vertices.to_mut();
     for (f, _) in flip.iter().enumerate().filter(|(_, flip)| **flip) {
         let loop_ = mesh.face_start[f] as usize..mesh.face_start[f + 1] as usize;
-        out.face_vertices[loop_][1..].reverse();
+        vertices[loop_][1..].reverse();
     }
     let flipped: Vec<u32> = (0..faces as u32).filter(|&f| flip[f as usize]).collect();
     if !flipped.is_empty() {
-        out.addresses.clear();
+        out.addresses = Shared::default();
     }
     Ok(Oriented { mesh: out, flipped, pieces })
 }
@@ -119,7 +121,7 @@ mod tests {
     #[test]
     fn the_minority_is_turned() {
         let mut mesh = strip(5);
-        mesh.face_vertices[8..12].reverse();
+        mesh.face_vertices.to_mut()[8..12].reverse();
         assert!(matches!(Adjacency::new(&mesh), Err(MeshError::MixedOrientation { edge: _, faces: [1, 2] })));
         let oriented = orient(&mesh, Front::AsGiven).unwrap();
         assert_eq!((oriented.flipped, oriented.pieces), (vec![2], 1));
@@ -130,8 +132,8 @@ mod tests {
     fn a_moebius_strip_has_one_side() {
         let mut mesh = strip(5);
         let last = mesh.face_vertices.len() - 4;
-        mesh.face_vertices[last + 1] = 1;
-        mesh.face_vertices[last + 2] = 0;
+        mesh.face_vertices.to_mut()[last + 1] = 1;
+        mesh.face_vertices.to_mut()[last + 2] = 0;
         assert!(matches!(orient(&mesh, Front::AsGiven), Err(MeshError::OneSided { .. })));
     }
 
@@ -142,7 +144,7 @@ mod tests {
             let straight = strip(12);
             let mut mesh = straight.clone();
             for (f, _) in flips.iter().enumerate().filter(|(_, flip)| **flip) {
-                mesh.face_vertices[4 * f + 1..4 * f + 4].reverse();
+                mesh.face_vertices.to_mut()[4 * f + 1..4 * f + 4].reverse();
             }
             let up = orient(&mesh, Front::Facing(DVec3::Z)).unwrap();
             prop_assert_eq!(&up.mesh.face_vertices, &straight.face_vertices);

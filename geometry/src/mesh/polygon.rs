@@ -1,5 +1,6 @@
 //! The polygon mesh that every room shares: points and faces in compressed rows.
 
+use crate::shared::Shared;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -9,13 +10,13 @@ use std::fmt;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Mesh {
     /// Vertex positions, mm.
-    pub points: Vec<DVec3>,
+    pub points: Shared<DVec3>,
     /// Where each face's loop starts; one longer than the number of faces, first entry 0.
-    pub face_start: Vec<u32>,
+    pub face_start: Shared<u32>,
     /// Vertex indices of all loops, one after the other.
-    pub face_vertices: Vec<u32>,
+    pub face_vertices: Shared<u32>,
     /// One address per face once the mesh is ordered; empty before.
-    pub addresses: Vec<Address>,
+    pub addresses: Shared<Address>,
 }
 
 /// A face's or panel's place in the structure (000 §6.2): row from the bottom, column from the left, both from 0.
@@ -60,10 +61,10 @@ impl Mesh {
     #[must_use]
     pub fn from_faces<const N: usize>(points: Vec<DVec3>, faces: &[[u32; N]]) -> Self {
         Self {
-            points,
+            points: points.into(),
             face_start: (0..=faces.len() as u32).map(|f| f * N as u32).collect(),
             face_vertices: faces.iter().flatten().copied().collect(),
-            addresses: Vec::new(),
+            addresses: Shared::default(),
         }
     }
 

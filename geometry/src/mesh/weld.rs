@@ -47,31 +47,33 @@ pub fn weld(mesh: &Mesh, tolerance: f64) -> Result<Welded, MeshError> {
     let merged = mesh.points.len() - grid.kept.len();
 
     let addressed = mesh.addresses.len() == mesh.face_count();
-    let mut out = Mesh { points: grid.kept, face_start: vec![0], ..Mesh::default() };
+    let (mut face_start, mut face_vertices, mut addresses) = (vec![0], Vec::new(), Vec::new());
     let (mut face, mut collapsed) = (Vec::with_capacity(mesh.face_count()), Vec::new());
     for f in 0..mesh.face_count() {
-        let from = out.face_vertices.len();
+        let from = face_vertices.len();
         for &v in mesh.face(f) {
             let v = vertex[v as usize];
-            if out.face_vertices.len() == from || out.face_vertices.last() != Some(&v) {
-                out.face_vertices.push(v);
+            if face_vertices.len() == from || face_vertices.last() != Some(&v) {
+                face_vertices.push(v);
             }
         }
-        while out.face_vertices.len() > from + 1 && out.face_vertices.last() == Some(&out.face_vertices[from]) {
-            out.face_vertices.pop();
+        while face_vertices.len() > from + 1 && face_vertices.last() == Some(&face_vertices[from]) {
+            face_vertices.pop();
         }
-        if out.face_vertices.len() < from + 3 {
-            out.face_vertices.truncate(from);
+        if face_vertices.len() < from + 3 {
+            face_vertices.truncate(from);
             collapsed.push(f as u32);
             continue;
         }
-        out.face_start.push(out.face_vertices.len() as u32);
+        face_start.push(face_vertices.len() as u32);
         face.push(f as u32);
         if addressed {
-            out.addresses.push(mesh.addresses[f]);
+            addresses.push(mesh.addresses[f]);
         }
     }
-    Ok(Welded { mesh: out, vertex, face, merged, moved, collapsed })
+    let (points, addresses) = (grid.kept.into(), addresses.into());
+    let mesh = Mesh { points, face_start: face_start.into(), face_vertices: face_vertices.into(), addresses };
+    Ok(Welded { mesh, vertex, face, merged, moved, collapsed })
 }
 
 /// Kept vertices in cells of twice the tolerance, chained per hash slot; no order of a hash map can leak out.

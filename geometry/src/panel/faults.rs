@@ -45,7 +45,7 @@ fn each_side_has_its_own_cut() {
     let mut seen = [0; 4];
     for i in 0..set.len() {
         for (k, c) in set.corners(i).enumerate() {
-            if set.neighbour[c].is_some() {
+            if set.neighbour[c].get().is_some() {
                 continue;
             }
             let (rise, ends) = (set.chamfer[c].normal.dot(set.normal[i]), [set.back_start[c], set.back_end[c]]);
@@ -107,7 +107,7 @@ fn a_flat_fold_is_refused_and_its_neighbour_lives() {
     };
     assert_eq!(angle, std::f64::consts::PI);
     assert_eq!([0, 1, 2].map(|i| set.is_valid(i)), [false, false, true]);
-    assert!(set.neighbour.iter().all(Option::is_none), "nobody meets a panel that could not be made");
+    assert!(set.neighbour.iter().all(|n| n.get().is_none()), "nobody meets a panel that could not be made");
 }
 
 #[test]
@@ -190,23 +190,23 @@ fn one_bad_panel_leaves_255_good_ones() {
     let f = 5;
     let corners: Vec<Vec<u32>> = (0..256).map(|g| mesh.face(g).to_vec()).collect();
     let centre = mesh.face_centre(f);
-    mesh.points.push(centre);
+    mesh.points.to_mut().push(centre);
     let extra = mesh.points.len() as u32 - 1;
-    mesh.face_vertices.clear();
-    mesh.face_start = vec![0];
+    mesh.face_vertices.to_mut().clear();
+    mesh.face_start = vec![0].into();
     for (g, face) in corners.iter().enumerate() {
-        mesh.face_vertices.push(face[0]);
+        mesh.face_vertices.to_mut().push(face[0]);
         if g == f {
-            mesh.face_vertices.push(extra);
+            mesh.face_vertices.to_mut().push(extra);
         }
-        mesh.face_vertices.extend(&face[1..]);
-        mesh.face_start.push(mesh.face_vertices.len() as u32);
+        mesh.face_vertices.to_mut().extend(&face[1..]);
+        mesh.face_start.to_mut().push(mesh.face_vertices.len() as u32);
     }
     let issue = only_issue(&mesh, &ThickenParams::new(10.0));
     assert!(matches!(issue, PanelIssue::Concave { face: 5, corner: 1, .. }), "{issue}");
     let (set, _) = thicken(&mesh, &ThickenParams::new(10.0)).unwrap();
     assert_eq!((0..256).filter(|&i| set.is_valid(i)).count(), 255);
-    assert!(set.neighbour.iter().flatten().all(|n| n.panel != 5));
+    assert!(set.neighbour.iter().filter_map(|n| n.get()).all(|n| n.panel != 5));
     let (whole, _) = thicken(&shell(), &ThickenParams::new(10.0)).unwrap();
     for far in [100, 255] {
         assert_eq!(set.back_start[set.corners(far)], whole.back_start[whole.corners(far)]);
@@ -231,7 +231,7 @@ fn wrong_parameters_and_meshes_are_refused() {
     let cut = EdgeCut { face: 0, edge: 4, cut: BorderCut::Square };
     assert_eq!(bad(&|p| p.border.edges.push(cut)), ThickenError::NoBorderEdge { face: 0, edge: 4 });
     let mut mesh = square(100.0);
-    mesh.points[2].y = f64::NAN;
+    mesh.points.to_mut()[2].y = f64::NAN;
     assert_eq!(
         thicken(&mesh, &ThickenParams::new(5.0)).unwrap_err(),
         ThickenError::Mesh(MeshError::NotFinite { vertex: 2 })

@@ -89,12 +89,12 @@ fn triangles(n: usize, step: f64, heights: &[f64]) -> Mesh {
             [[q[0], q[1], q[3]], [q[1], q[2], q[3]]]
         })
         .collect();
-    Mesh::from_faces(quads.points, &faces)
+    Mesh::from_faces(quads.points.to_vec(), &faces)
 }
 
 /// A projective image: planar faces stay planar, nothing stays parallel.
 fn projected(mut mesh: Mesh) -> Mesh {
-    for p in &mut mesh.points {
+    for p in mesh.points.to_mut() {
         *p /= 1.0 + p.x * 2e-4 + p.y * 1e-4 + p.z * 3e-4;
     }
     mesh
@@ -138,7 +138,7 @@ fn chamfers_of_neighbours_coincide() {
     let (set, _) = thicken(&mesh, &ThickenParams::new(21.0)).unwrap();
     let mut inner = 0;
     for c in 0..set.front.len() {
-        let Some(n) = set.neighbour[c] else { continue };
+        let Some(n) = set.neighbour[c].get() else { continue };
         let t = set.corners(n.panel as usize).start + n.edge as usize;
         inner += 1;
         assert_eq!(set.chamfer[c].normal, -set.chamfer[t].normal);
@@ -167,7 +167,7 @@ fn planarized_meshes_do_not_overlap() {
 #[test]
 fn faces_at_the_edge_of_planar_do_not_overlap() {
     let mut mesh = shell();
-    for (k, p) in mesh.points.iter_mut().enumerate() {
+    for (k, p) in mesh.points.to_mut().iter_mut().enumerate() {
         *p += 5e-5 * DVec3::new((k as f64 * 12.9).sin(), (k as f64 * 7.3).sin(), (k as f64 * 3.7).sin());
     }
     let (set, issues) = thicken(&mesh, &ThickenParams::new(21.0)).unwrap();

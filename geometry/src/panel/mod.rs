@@ -10,7 +10,7 @@ mod thicken;
 
 pub use border::{BorderCut, BorderRule, EdgeCut};
 pub use issue::{PanelIssue, ThickenError};
-pub use set::{EdgeRef, PanelSet, Side};
+pub use set::{EdgeRef, Neighbour, PanelSet, Side};
 pub use solid::Solid;
 pub use thicken::{Nodes, ThickenParams, thicken, thicken_while};
 

@@ -7,16 +7,55 @@
 
 use crate::mesh::Address;
 use crate::plane::Plane;
+use crate::shared::Shared;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// One edge of one panel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, bytemuck::Pod, bytemuck::Zeroable,
+)]
+#[repr(C)]
 pub struct EdgeRef {
     /// Panel index in the set.
     pub panel: u32,
     /// Edge index in the panel, from 0.
     pub edge: u32,
+}
+
+/// The edge across an edge, or none, in the form in which programs outside read it: both numbers `u32::MAX` for none.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, bytemuck::Pod, bytemuck::Zeroable)]
+#[serde(from = "Option<EdgeRef>", into = "Option<EdgeRef>")]
+#[repr(transparent)]
+pub struct Neighbour(EdgeRef);
+
+impl Neighbour {
+    /// The border, or a panel that could not be made.
+    pub const NONE: Self = Self(EdgeRef { panel: u32::MAX, edge: u32::MAX });
+
+    /// The edge across, if there is one.
+    #[must_use]
+    pub fn get(self) -> Option<EdgeRef> {
+        (self != Self::NONE).then_some(self.0)
+    }
+}
+
+impl From<Option<EdgeRef>> for Neighbour {
+    fn from(edge: Option<EdgeRef>) -> Self {
+        edge.map_or(Self::NONE, Self)
+    }
+}
+
+impl From<Neighbour> for Option<EdgeRef> {
+    fn from(neighbour: Neighbour) -> Self {
+        neighbour.get()
+    }
+}
+
+impl std::fmt::Debug for Neighbour {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.get().fmt(f)
+    }
 }
 
 /// Which side of the ordered grid an edge faces; `Other` on meshes that are no grid.
@@ -44,27 +83,27 @@ pub struct PanelSet {
     /// Thickness of every panel, mm.
     pub thickness: f64,
     /// Address per panel.
-    pub address: Vec<Address>,
+    pub address: Shared<Address>,
     /// Unit normal of the front face per panel, pointing away from the wood.
-    pub normal: Vec<DVec3>,
+    pub normal: Shared<DVec3>,
     /// First corner of each panel; length = panels + 1.
-    pub corner_start: Vec<u32>,
+    pub corner_start: Shared<u32>,
     /// Front corners, counter-clockwise seen from the front, mm.
-    pub front: Vec<DVec3>,
+    pub front: Shared<DVec3>,
     /// Mesh vertex of each front corner.
-    pub vertex: Vec<u32>,
+    pub vertex: Shared<u32>,
     /// Chamfer plane of each edge, normal pointing away from the wood.
-    pub chamfer: Vec<Plane>,
-    /// The panel edge across each edge; `None` on the border and beside a panel that could not be made.
-    pub neighbour: Vec<Option<EdgeRef>>,
+    pub chamfer: Shared<Plane>,
+    /// The panel edge across each edge; none on the border and beside a panel that could not be made.
+    pub neighbour: Shared<Neighbour>,
     /// Grid side of each edge.
-    pub side: Vec<Side>,
+    pub side: Shared<Side>,
     /// On the back, where edge `k` starts (beside corner `k`), mm.
-    pub back_start: Vec<DVec3>,
+    pub back_start: Shared<DVec3>,
     /// On the back, where edge `k` ends (beside corner `k + 1`), mm.
-    pub back_end: Vec<DVec3>,
+    pub back_end: Shared<DVec3>,
     /// Whether corner `k` is voided: its node facet is (front k, back_end k-1, back_start k).
-    pub voided: Vec<bool>,
+    pub voided: Shared<bool>,
 }
 
 impl PanelSet {

@@ -21,7 +21,7 @@ pub(crate) fn grid(columns: usize, rows: usize, point: impl Fn(usize, usize) -> 
             addresses.push(Address { patch: 0, row: j as u32, column: i as u32 });
         }
     }
-    Mesh { addresses, ..Mesh::from_faces(points, &faces) }
+    Mesh { addresses: addresses.into(), ..Mesh::from_faces(points, &faces) }
 }
 
 /// An arc over a span in x, rising in z.

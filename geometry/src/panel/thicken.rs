@@ -6,6 +6,7 @@ use super::node::{Cone, Inset};
 use super::set::{EdgeRef, PanelSet, Side};
 use crate::mesh::{Address, Adjacency, Mesh};
 use crate::plane::Plane;
+use crate::shared::Shared;
 use glam::DVec3;
 
 /// What happens at nodes whose candidate back corners differ (000 §6.3.5).
@@ -378,32 +379,36 @@ impl<'a> Work<'a> {
         let mut set = PanelSet {
             thickness: p.thickness,
             address: address_column(mesh),
-            normal: Vec::with_capacity(faces),
-            corner_start: Vec::with_capacity(faces + 1),
-            front: Vec::with_capacity(corners),
-            vertex: Vec::with_capacity(corners),
-            chamfer: Vec::with_capacity(corners),
-            neighbour: Vec::with_capacity(corners),
-            side: Vec::with_capacity(corners),
-            back_start: Vec::with_capacity(corners),
-            back_end: Vec::with_capacity(corners),
-            voided: Vec::with_capacity(corners),
+            front: Vec::with_capacity(corners).into(),
+            vertex: Vec::with_capacity(corners).into(),
+            chamfer: Vec::with_capacity(corners).into(),
+            neighbour: Vec::with_capacity(corners).into(),
+            side: Vec::with_capacity(corners).into(),
+            back_start: Vec::with_capacity(corners).into(),
+            back_end: Vec::with_capacity(corners).into(),
+            voided: Vec::with_capacity(corners).into(),
+            ..PanelSet::default()
         };
-        set.corner_start.push(0);
+        let mut corner_start = Vec::with_capacity(faces + 1);
+        let mut normal = Vec::with_capacity(faces);
+        corner_start.push(0);
         for face in 0..faces as u32 {
             on(face)?;
             let plane = self.plane[face as usize];
-            set.normal.push(plane.map_or(DVec3::ZERO, |p| p.normal));
+            normal.push(plane.map_or(DVec3::ZERO, |p| p.normal));
             if let (true, Some(plane)) = (self.alive[face as usize], plane) {
                 self.write_panel(&mut set, face, plane);
             }
-            set.corner_start.push(set.front.len() as u32);
+            corner_start.push(set.front.len() as u32);
         }
-        Ok(set)
+        Ok(PanelSet { normal: normal.into(), corner_start: corner_start.into(), ..set })
     }
 
     fn write_panel(&mut self, set: &mut PanelSet, face: u32, plane: Plane) {
-        let (p, first) = (self.params, set.front.len());
+        let (front_corners, vertices, chamfers) = (set.front.to_mut(), set.vertex.to_mut(), set.chamfer.to_mut());
+        let (neighbours, sides) = (set.neighbour.to_mut(), set.side.to_mut());
+        let (back_start, back_end, voided) = (set.back_start.to_mut(), set.back_end.to_mut(), set.voided.to_mut());
+        let (p, first) = (self.params, front_corners.len());
         let (mut mismatch, mut moved) = (0f64, 0f64);
         for c in self.adjacency.corners(face) {
             let (i, n) = (c as usize, self.adjacency.next(c));
@@ -422,24 +427,21 @@ impl<'a> Work<'a> {
                 let pull = other.at - own.at;
                 if pull > p.merge { pull } else { 0.0 }
             };
-            set.front.push(front);
-            set.vertex.push(self.mesh.face_vertices[i]);
-            set.chamfer.push(self.chamfer[i]);
+            front_corners.push(front);
+            vertices.push(self.mesh.face_vertices[i]);
+            chamfers.push(self.chamfer[i]);
             let living = |t: &u32| self.alive[self.adjacency.face_of(*t) as usize];
-            set.neighbour.push(
-                self.adjacency
-                    .twin(c)
-                    .filter(living)
-                    .map(|t| EdgeRef { panel: self.adjacency.face_of(t), edge: self.edge(t) }),
-            );
-            set.side.push(self.side(c));
-            set.back_start.push(own_start + line * pull(starts));
-            set.back_end.push(own_end - line * pull(ends));
+            let across = self.adjacency.twin(c).filter(living);
+            let across = across.map(|t| EdgeRef { panel: self.adjacency.face_of(t), edge: self.edge(t) });
+            neighbours.push(across.into());
+            sides.push(self.side(c));
+            back_start.push(own_start + line * pull(starts));
+            back_end.push(own_end - line * pull(ends));
         }
-        let count = set.front.len() - first;
+        let count = front_corners.len() - first;
         for k in 0..count {
             let (before, after) = (first + (k + count - 1) % count, first + k);
-            set.voided.push(set.back_end[before] != set.back_start[after]);
+            voided.push(back_end[before] != back_start[after]);
         }
         if mismatch > p.planar_within {
             self.issues.push(PanelIssue::Projected { face, mismatch, moved });
@@ -448,7 +450,7 @@ impl<'a> Work<'a> {
 }
 
 /// One address per panel, also where the mesh has none.
-fn address_column(mesh: &Mesh) -> Vec<Address> {
+fn address_column(mesh: &Mesh) -> Shared<Address> {
     if mesh.addresses.len() == mesh.face_count() {
         return mesh.addresses.clone();
     }

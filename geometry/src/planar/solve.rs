@@ -73,8 +73,9 @@ pub fn planarize(
         let energy = Energy::new(&origin, movable, bends, &watched, &weights);
         let found = descend(origin.clone(), &loops, energy, params.threshold / unit, params.iterations, progress)
             .ok_or(PlanarizeError::Cancelled)?;
-        for v in (0..out.points.len()).filter(|&v| free[v]) {
-            out.points[v] += (found.points[v] - origin[v]) * unit;
+        let points = out.points.to_mut();
+        for v in (0..points.len()).filter(|&v| free[v]) {
+            points[v] += (found.points[v] - origin[v]) * unit;
         }
         history.extend(found.history[1..].iter().map(|d| d * unit));
     }

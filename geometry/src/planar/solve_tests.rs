@@ -84,18 +84,18 @@ fn shared(name: &str, unit: f64) -> Option<Mesh> {
         println!("skipped: no {}", path.display());
         return None;
     };
-    let mut mesh = Mesh { face_start: vec![0], ..Mesh::default() };
+    let mut mesh = Mesh { face_start: vec![0].into(), ..Mesh::default() };
     for line in text.lines() {
         let mut words = line.split_whitespace();
         match words.next() {
             Some("v") => {
                 let x: Vec<f64> = words.map(|w| w.parse().unwrap()).collect();
-                mesh.points.push(DVec3::new(x[0], x[1], x[2]) * unit);
+                mesh.points.to_mut().push(DVec3::new(x[0], x[1], x[2]) * unit);
             }
             Some("f") => {
                 let index = |w: &str| w.split('/').next().unwrap().parse::<u32>().unwrap() - 1;
-                mesh.face_vertices.extend(words.map(index));
-                mesh.face_start.push(mesh.face_vertices.len() as u32);
+                mesh.face_vertices.to_mut().extend(words.map(index));
+                mesh.face_start.to_mut().push(mesh.face_vertices.len() as u32);
             }
             _ => {}
         }
@@ -141,7 +141,7 @@ fn a_planar_mesh_comes_back_bit_by_bit() {
 /// others fixed there is a planar answer nearby.
 fn shaken(n: u32, shake: impl Fn(u32, u32) -> bool) -> Mesh {
     let mut mesh = grid(n, |u, v| DVec3::new(1500.0 * u, 1500.0 * v, 400.0 * (u * u + 0.7 * v * v)));
-    for (i, p) in mesh.points.iter_mut().enumerate() {
+    for (i, p) in mesh.points.to_mut().iter_mut().enumerate() {
         let (x, y) = (i as u32 % (n + 1), i as u32 / (n + 1));
         if shake(x, y) {
             let noise = |k: f64| ((i as f64 + k) * 12.9898).sin() * 12.0;
@@ -253,7 +253,7 @@ fn hexagons_become_planar() {
 #[test]
 fn a_turned_over_face_does_no_harm() {
     let mut mesh = grid(6, dome);
-    mesh.face_vertices[40..44].reverse();
+    mesh.face_vertices.to_mut()[40..44].reverse();
     let result = run(&mesh, &PlanarizeParams::default());
     assert!(result.reached && result.after.summary().concave_faces == 0);
 }
@@ -301,12 +301,12 @@ fn senseless_parameters_are_refused() {
 #[test]
 fn broken_meshes_are_refused() {
     let mut mesh = grid(3, dome);
-    mesh.points[5] = mesh.points[0];
-    mesh.points[1] = mesh.points[0];
+    mesh.points.to_mut()[5] = mesh.points[0];
+    mesh.points.to_mut()[1] = mesh.points[0];
     assert_eq!(planarize(&mesh, &PlanarizeParams::default(), &go), Err(PlanarizeError::NoArea { face: 0 }));
-    mesh.points[5].x = f64::NAN;
+    mesh.points.to_mut()[5].x = f64::NAN;
     assert!(matches!(planarize(&mesh, &PlanarizeParams::default(), &go), Err(PlanarizeError::Mesh(_))));
-    let empty = Mesh { face_start: vec![0], ..Mesh::default() };
+    let empty = Mesh { face_start: vec![0].into(), ..Mesh::default() };
     assert!(run(&empty, &PlanarizeParams::default()).reached);
 }
 
@@ -357,7 +357,7 @@ proptest! {
         border in prop_oneof![Just(Rim::Fixed), Just(Rim::Free)],
     ) {
         let mut mesh = grid(5, saddle);
-        mesh.points.iter_mut().zip(bumps).for_each(|(p, bump)| *p += DVec3::from(bump));
+        mesh.points.to_mut().iter_mut().zip(bumps).for_each(|(p, bump)| *p += DVec3::from(bump));
         let params = PlanarizeParams { reach, fairness, border, iterations: 60, ..PlanarizeParams::default() };
         let result = run(&mesh, &params);
         assert_within_bounds(&mesh, &params, &result);

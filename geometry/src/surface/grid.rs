@@ -71,10 +71,13 @@ impl Grid {
             })
             .collect();
         Ok(Mesh {
-            points,
-            face_start: (0..faces + 1).into_par_iter().with_min_len(GRAIN).map(|f| f * 4).collect(),
-            face_vertices: loops.into_flattened(),
-            addresses: indexed().map(|f| Address { patch: 0, row: f / across, column: f % across }).collect(),
+            points: points.into(),
+            face_start: (0..faces + 1).into_par_iter().with_min_len(GRAIN).map(|f| f * 4).collect::<Vec<_>>().into(),
+            face_vertices: loops.into_flattened().into(),
+            addresses: indexed()
+                .map(|f| Address { patch: 0, row: f / across, column: f % across })
+                .collect::<Vec<_>>()
+                .into(),
         })
     }
 }

@@ -1,8 +1,7 @@
 //! `area`: what a polygon measures.
 
-use crate::value::{Point, V};
+use crate::value::{Plane, Point, V};
 use tenon_engine::{Fail, NodeType, Port, Unit};
-use tenon_geometry::Plane;
 use tenon_geometry::polygon::Polygon;
 
 pub(super) fn node() -> NodeType {
@@ -25,7 +24,7 @@ pub(super) fn node() -> NodeType {
         .output(Port::item::<f64>("area").unit(Unit::Area).doc("What it encloses."))
         .output(Port::item::<f64>("circumference").unit(Unit::Length).doc("Length of its edges."))
         .output(Port::item::<Point>("centroid").doc("Where a plate of this outline balances."))
-        .output(Port::item::<V<Plane>>("plane").doc("Its plane; the outline goes round its normal by the right-hand rule."))
+        .output(Port::item::<Plane>("plane").doc("Its plane; the outline goes round its normal by the right-hand rule."))
         .run(|c| {
             let polygon = c.item::<V<Polygon>>("polygon")?;
             let (flatness, limit) = (polygon.flatness(), c.number("planar_within")?);
@@ -37,7 +36,7 @@ pub(super) fn node() -> NodeType {
                     .hint(format!("a planar_within of {:.3} mm would do", (flatness * 1e3).ceil() / 1e3)));
             }
             let (area, length, centroid) = (polygon.area(), polygon.circumference(), Point(polygon.centroid()));
-            let plane = V::new(polygon.plane());
+            let plane = Plane(polygon.plane());
             c.set("area", area);
             c.set("circumference", length);
             c.set("centroid", centroid);

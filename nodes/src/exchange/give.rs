@@ -1,19 +1,18 @@
-//! The engine's trees as values of the contract. Nothing large is copied, except the neighbours of panel edges, whose
-//! memory has no C form.
+//! The engine's trees as values of the contract. Nothing that grows with the number of points, corners or rows is copied;
+//! texts and features, which hold texts, get a small struct each around what they hold.
 
-use crate::value::{Point, Table, V, Vector};
+use crate::value::{Plane, Point, Table, V, Vector};
 use std::borrow::Cow;
 use tenon_engine::{Column, File, Text, Tree};
-use tenon_geometry::Plane;
 use tenon_geometry::ifs::Curve;
 use tenon_geometry::joint::{Feature, FeatureSet, Machining};
 use tenon_geometry::mesh::Mesh;
 use tenon_geometry::panel::PanelSet;
-use tenon_plugin::abi::value::{tenon_edge, tenon_plane, tenon_vec3};
+use tenon_plugin::abi::value::{tenon_plane, tenon_vec3};
 use tenon_plugin::value as c;
 
-/// A tree's branches as the other side sees them. O(branches), plus O(items) for types other than numbers, points and
-/// vectors and O(edges) for panel sets.
+/// A tree's branches as the other side sees them. O(branches), plus O(items) for texts, curves, meshes, panel sets, tables
+/// and files, whatever they hold, and O(features) for feature sets.
 #[must_use]
 pub fn branches(tree: &Tree) -> Vec<c::Branch<'_>> {
     tree.branches().iter().map(|(path, column)| branch(path.steps(), column)).collect()
@@ -24,8 +23,8 @@ fn branch<'a>(path: &'a [i32], column: &'a Column) -> c::Branch<'a> {
     c::Branch { path: Cow::Borrowed(path), items: items(column), valid: valid(column) }
 }
 
-fn valid(column: &Column) -> Option<Cow<'static, [bool]>> {
-    column.has_gaps().then(|| (0..column.len()).map(|i| column.is_valid(i)).collect())
+fn valid(column: &Column) -> Option<Cow<'_, [bool]>> {
+    column.valid().map(Cow::Borrowed)
 }
 
 fn items(column: &Column) -> c::Items<'_> {
@@ -41,8 +40,8 @@ fn items(column: &Column) -> c::Items<'_> {
         c::Items::Point(bytemuck::cast_slice::<Point, tenon_vec3>(v).into())
     } else if let Some(v) = column.slice::<Vector>() {
         c::Items::Vector(bytemuck::cast_slice::<Vector, tenon_vec3>(v).into())
-    } else if let Some(v) = column.slice::<V<Plane>>() {
-        c::Items::Plane(v.iter().map(|p| bytemuck::cast::<Plane, tenon_plane>(*p.0)).collect())
+    } else if let Some(v) = column.slice::<Plane>() {
+        c::Items::Plane(bytemuck::cast_slice::<Plane, tenon_plane>(v).into())
     } else if let Some(v) = column.slice::<V<Curve>>() {
         c::Items::Curve(v.iter().map(|x| curve(x)).collect())
     } else if let Some(v) = column.slice::<V<Mesh>>() {
@@ -70,35 +69,32 @@ fn table(t: &Table) -> c::Table<'_> {
 }
 
 fn curve(v: &Curve) -> c::Curve<'_> {
-    c::Curve { points: bytemuck::cast_slice(&v.points).into(), strip_start: (&v.strip_start).into(), closed: v.closed }
+    c::Curve { points: bytemuck::cast_slice(&v.points).into(), strip_start: (&*v.strip_start).into(), closed: v.closed }
 }
 
 fn mesh(m: &Mesh) -> c::Mesh<'_> {
     c::Mesh {
         points: bytemuck::cast_slice(&m.points).into(),
-        face_start: (&m.face_start).into(),
-        face_vertices: (&m.face_vertices).into(),
+        face_start: (&*m.face_start).into(),
+        face_vertices: (&*m.face_vertices).into(),
         addresses: bytemuck::cast_slice(&m.addresses).into(),
     }
 }
 
 fn panels(p: &PanelSet) -> c::Panels<'_> {
-    let neighbour = |n: &Option<tenon_geometry::panel::EdgeRef>| {
-        n.map_or(tenon_edge::NONE, |n| tenon_edge { panel: n.panel, edge: n.edge })
-    };
     c::Panels {
         thickness: p.thickness,
-        corner_start: (&p.corner_start).into(),
+        corner_start: (&*p.corner_start).into(),
         address: bytemuck::cast_slice(&p.address).into(),
         normal: bytemuck::cast_slice(&p.normal).into(),
         front: bytemuck::cast_slice(&p.front).into(),
-        vertex: (&p.vertex).into(),
+        vertex: (&*p.vertex).into(),
         chamfer: bytemuck::cast_slice(&p.chamfer).into(),
-        neighbour: p.neighbour.iter().map(neighbour).collect(),
+        neighbour: bytemuck::cast_slice(&p.neighbour).into(),
         side: bytemuck::cast_slice(&p.side).into(),
         back_start: bytemuck::cast_slice(&p.back_start).into(),
         back_end: bytemuck::cast_slice(&p.back_end).into(),
-        voided: (&p.voided).into(),
+        voided: (&*p.voided).into(),
     }
 }
 

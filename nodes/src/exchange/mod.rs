@@ -1,6 +1,8 @@
 //! Values on their way to and from plugins and hosts: the engine's columns as the contract's arrays. Large arrays are
 //! borrowed or change hands, they are not copied.
 
+#[cfg(test)]
+pub(crate) mod addresses;
 mod give;
 mod preview;
 mod take;

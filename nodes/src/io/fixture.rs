@@ -13,17 +13,17 @@ pub const D: f64 = 10.0;
 /// larger if positive); the third corner of panel 0 is voided: its back ends stand 4 mm and 6 mm from the lines' crossing.
 /// Panel 1 could not be made; panel 2 equals panel 0 without the void.
 pub fn panels() -> PanelSet {
-    let mut set = PanelSet { thickness: D, corner_start: vec![0], ..PanelSet::default() };
+    let mut set = PanelSet { thickness: D, corner_start: vec![0].into(), ..PanelSet::default() };
     for (column, void) in [(0, true), (1, false), (2, false)] {
-        set.address.push(Address { patch: 0, row: 3, column });
-        set.normal.push(DVec3::Z);
+        set.address.to_mut().push(Address { patch: 0, row: 3, column });
+        set.normal.to_mut().push(DVec3::Z);
         if column != 1 {
             panel(&mut set, if void { [4.0, 6.0] } else { [0.0, 0.0] });
         }
-        set.corner_start.push(set.front.len() as u32);
+        set.corner_start.to_mut().push(set.front.len() as u32);
     }
-    set.neighbour[1] = Some(EdgeRef { panel: 2, edge: 3 });
-    set.neighbour[7] = Some(EdgeRef { panel: 0, edge: 1 });
+    set.neighbour.to_mut()[1] = Some(EdgeRef { panel: 2, edge: 3 }).into();
+    set.neighbour.to_mut()[7] = Some(EdgeRef { panel: 0, edge: 1 }).into();
     set
 }
 
@@ -41,14 +41,14 @@ fn panel(set: &mut PanelSet, void: [f64; 2]) {
     let first = set.front.len() as u32;
     for k in 0..4 {
         let next = (k + 1) % 4;
-        set.front.push(front[k]);
-        set.vertex.push(first + k as u32);
-        set.chamfer.push(Plane::through(front[k], normals[k]));
-        set.neighbour.push(None);
-        set.side.push([Side::Bottom, Side::Right, Side::Top, Side::Left][k]);
-        set.voided.push(k == 2 && void[0] > 0.0);
-        set.back_start.push(corner(k) + along[k] * if k == 2 { void[1] } else { 0.0 });
-        set.back_end.push(corner(next) - along[k] * if next == 2 { void[0] } else { 0.0 });
+        set.front.to_mut().push(front[k]);
+        set.vertex.to_mut().push(first + k as u32);
+        set.chamfer.to_mut().push(Plane::through(front[k], normals[k]));
+        set.neighbour.to_mut().push(None.into());
+        set.side.to_mut().push([Side::Bottom, Side::Right, Side::Top, Side::Left][k]);
+        set.voided.to_mut().push(k == 2 && void[0] > 0.0);
+        set.back_start.to_mut().push(corner(k) + along[k] * if k == 2 { void[1] } else { 0.0 });
+        set.back_end.to_mut().push(corner(next) - along[k] * if next == 2 { void[0] } else { 0.0 });
     }
 }
 

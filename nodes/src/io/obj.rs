@@ -112,7 +112,7 @@ pub fn read_obj(bytes: &[u8], unit_mm: f64) -> Result<Mesh, ObjError> {
     if !(unit_mm.is_finite() && unit_mm > 0.0) {
         return Err(ObjError::Unit { unit_mm });
     }
-    let mut mesh = Mesh { face_start: vec![0], ..Mesh::default() };
+    let mut mesh = Mesh { face_start: vec![0].into(), ..Mesh::default() };
     let mut ahead = Vec::new();
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut joined = Vec::new();
@@ -165,7 +165,7 @@ fn read_line(
                     .filter(|v| v.is_finite())
                     .ok_or_else(|| ObjError::Number { line, word: shown(word) })?;
             }
-            mesh.points.push(DVec3::from_array(xyz));
+            mesh.points.to_mut().push(DVec3::from_array(xyz));
             u32::try_from(mesh.points.len()).map_err(|_| ObjError::TooLarge { line })?;
         }
         b"f" => {
@@ -182,13 +182,15 @@ fn read_line(
                     vertices as i64 + index
                 };
                 let vertex = u32::try_from(vertex).map_err(|_| ObjError::NoVertex { line, index, vertices })?;
-                mesh.face_vertices.push(vertex);
+                mesh.face_vertices.to_mut().push(vertex);
             }
             let found = mesh.face_vertices.len() - first;
             if found < 3 {
                 return Err(ObjError::Face { line, found });
             }
-            mesh.face_start.push(u32::try_from(mesh.face_vertices.len()).map_err(|_| ObjError::TooLarge { line })?);
+            mesh.face_start
+                .to_mut()
+                .push(u32::try_from(mesh.face_vertices.len()).map_err(|_| ObjError::TooLarge { line })?);
         }
         other if IGNORED.contains(&other) => {}
         other => return Err(ObjError::Statement { line, word: shown(other) }),
@@ -361,12 +363,12 @@ mod tests {
             picks in prop::collection::vec(prop::collection::vec(0usize..1000, 3..7), 1..10),
         ) {
             let points: Vec<DVec3> = xyz.into_iter().map(DVec3::from_array).collect();
-            let mut mesh = Mesh { face_start: vec![0], ..Mesh::default() };
+            let mut mesh = Mesh { face_start: vec![0].into(), ..Mesh::default() };
             for loop_ in &picks {
-                mesh.face_vertices.extend(loop_.iter().map(|p| (p % points.len()) as u32));
-                mesh.face_start.push(mesh.face_vertices.len() as u32);
+                mesh.face_vertices.to_mut().extend(loop_.iter().map(|p| (p % points.len()) as u32));
+                mesh.face_start.to_mut().push(mesh.face_vertices.len() as u32);
             }
-            mesh.points = points;
+            mesh.points = points.into();
             prop_assert_eq!(read_obj(&write_obj(&mesh, &|| true), 1.0).unwrap(), mesh);
         }
 

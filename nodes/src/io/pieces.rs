@@ -129,7 +129,10 @@ fn edges(panels: &PanelSet, i: usize) -> Vec<Edge> {
             length: panels.front[c].distance(panels.front[next]),
             back_length: panels.back_start[c].distance(panels.back_end[c]),
             chamfer_deg: lean.to_degrees(),
-            neighbour: panels.neighbour[c].and_then(|e| panels.address.get(e.panel as usize)).map(ToString::to_string),
+            neighbour: panels.neighbour[c]
+                .get()
+                .and_then(|e| panels.address.get(e.panel as usize))
+                .map(ToString::to_string),
         }
     };
     range.clone().map(edge).collect()

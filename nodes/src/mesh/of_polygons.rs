@@ -26,12 +26,12 @@ pub(super) fn node() -> NodeType {
         .output(Port::item::<V<Mesh>>("mesh").doc("The mesh; its faces in the order of the polygons."))
         .run(|c| {
             let polygons = c.list::<V<Polygon>>("polygons")?;
-            let mut mesh = Mesh { face_start: vec![0], ..Mesh::default() };
+            let mut mesh = Mesh { face_start: vec![0].into(), ..Mesh::default() };
             for polygon in polygons {
-                mesh.points.extend_from_slice(polygon.corners());
+                mesh.points.to_mut().extend_from_slice(polygon.corners());
                 let corners = mesh.face_vertices.len() as u32..mesh.points.len() as u32;
-                mesh.face_vertices.extend(corners);
-                mesh.face_start.push(mesh.face_vertices.len() as u32);
+                mesh.face_vertices.to_mut().extend(corners);
+                mesh.face_start.to_mut().push(mesh.face_vertices.len() as u32);
             }
             let welded = weld(&mesh, c.number("weld")?).map_err(|e| mesh_fail(&e))?;
             for face in &welded.collapsed {

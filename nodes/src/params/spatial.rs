@@ -1,8 +1,8 @@
 //! Point, vector, plane.
 
-use crate::value::{Point, V, Vector};
+use crate::value::{Plane, Point, Vector};
 use tenon_engine::{Fail, NodeType, Port, Unit};
-use tenon_geometry::{DVec3, Plane};
+use tenon_geometry::DVec3;
 
 pub(super) fn nodes() -> Vec<NodeType> {
     vec![point(), vector(), plane()]
@@ -50,14 +50,14 @@ fn plane() -> NodeType {
         .keywords(&["limit plane", "ground"])
         .input(Port::item::<Point>("origin").default([0.0, 0.0, 0.0]).doc("A point of the plane, mm."))
         .input(Port::item::<Vector>("normal").default([0.0, 0.0, 1.0]).doc("Square to the plane; any length but 0."))
-        .output(Port::item::<V<Plane>>("plane").doc("The plane."))
+        .output(Port::item::<Plane>("plane").doc("The plane."))
         .run(|c| {
             let normal = c.item::<Vector>("normal")?.0.try_normalize();
             let normal = normal.ok_or_else(|| {
                 Fail::new("zero-vector", "the normal of a plane must not be the zero vector").port("normal")
             })?;
-            let plane = Plane::through(c.item::<Point>("origin")?.0, normal);
-            c.set("plane", V::new(plane));
+            let plane = Plane(tenon_geometry::Plane::through(c.item::<Point>("origin")?.0, normal));
+            c.set("plane", plane);
             Ok(())
         })
 }

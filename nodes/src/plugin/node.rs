@@ -2,10 +2,9 @@
 
 use super::{Plugin, PluginError, fastener};
 use crate::exchange;
-use crate::value::{Point, Table, V, Vector};
+use crate::value::{Plane, Point, Table, V, Vector};
 use std::sync::{Arc, Mutex, PoisonError};
 use tenon_engine::{Call, Column, Fail, Item, Json, Monitor, NodeType, Port, Text, Tree, Unit, stop};
-use tenon_geometry::Plane;
 use tenon_geometry::ifs::Curve;
 use tenon_geometry::joint::FeatureSet;
 use tenon_geometry::mesh::Mesh;
@@ -66,7 +65,7 @@ fn typed(info: &PortInfo) -> Port {
         TENON_TEXT => of::<Text>(info),
         TENON_POINT => of::<Point>(info),
         TENON_VECTOR => of::<Vector>(info),
-        TENON_PLANE => of::<V<Plane>>(info),
+        TENON_PLANE => of::<Plane>(info),
         TENON_CURVE => of::<V<Curve>>(info),
         TENON_MESH => of::<V<Mesh>>(info),
         TENON_PANELS => of::<V<PanelSet>>(info),
@@ -268,7 +267,7 @@ fn set_column(c: &mut Call<'_>, info: &PortInfo, column: Column) -> Result<(), F
     }
     set!(
         TENON_BOOLEAN => bool, TENON_INTEGER => i64, TENON_TEXT => Text, TENON_POINT => Point, TENON_VECTOR => Vector,
-        TENON_PLANE => V<Plane>, TENON_CURVE => V<Curve>, TENON_MESH => V<Mesh>, TENON_PANELS => V<PanelSet>,
+        TENON_PLANE => Plane, TENON_CURVE => V<Curve>, TENON_MESH => V<Mesh>, TENON_PANELS => V<PanelSet>,
         TENON_FEATURES => V<FeatureSet>, TENON_TABLE => Table, _ => f64
     );
     Ok(())
@@ -277,11 +276,13 @@ fn set_column(c: &mut Call<'_>, info: &PortInfo, column: Column) -> Result<(), F
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exchange::addresses::{HandsOver, arrays, samples};
     use std::borrow::Cow;
-    use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+    use std::collections::BTreeMap;
+    use std::sync::atomic::{AtomicBool, Ordering};
     use tenon_engine::{Control, Document, Node, Options, Registry, Session};
     use tenon_plugin::author;
-    use tenon_plugin::value::Items;
+    use tenon_plugin::value::{self as values, Items};
 
     fn output() -> PortInfo {
         PortInfo {
@@ -319,72 +320,141 @@ mod tests {
         assert!(returned.load(Ordering::Relaxed), "the list was not refused, or the plugin never got to know");
     }
 
-    /// Addresses that a plugin's node saw: its input's and its buffer's.
-    static SEEN: [AtomicUsize; 2] = [const { AtomicUsize::new(0) }; 2];
+    /// Names and addresses of arrays.
+    type Arrays = Vec<(&'static str, usize)>;
+
+    /// What a plugin's node saw, by port: the arrays of its input and its buffers.
+    static SEEN: Mutex<BTreeMap<String, [Arrays; 2]>> = Mutex::new(BTreeMap::new());
+
+    fn buffer<'b, T: author::Element>(c: &'b author::Call<'_>, from: &[T]) -> Result<Cow<'b, [T]>, author::Fail> {
+        let made = c.buffer::<T>(from.len())?;
+        made.copy_from_slice(from);
+        Ok((&*made).into())
+    }
+
+    /// The same items in buffers of the host.
+    fn in_buffers<'b>(c: &'b author::Call<'_>, items: &Items<'_>) -> Result<Items<'b>, author::Fail> {
+        Ok(match items {
+            Items::Boolean(v) => Items::Boolean(buffer(c, v)?),
+            Items::Integer(v) => Items::Integer(buffer(c, v)?),
+            Items::Number(v) => Items::Number(buffer(c, v)?),
+            Items::Point(v) => Items::Point(buffer(c, v)?),
+            Items::Vector(v) => Items::Vector(buffer(c, v)?),
+            Items::Plane(v) => Items::Plane(buffer(c, v)?),
+            Items::Curve(v) => {
+                let one = |x: &values::Curve<'_>| {
+                    let (points, strip_start) = (buffer(c, &x.points)?, buffer(c, &x.strip_start)?);
+                    Ok(values::Curve { points, strip_start, closed: x.closed })
+                };
+                Items::Curve(v.iter().map(one).collect::<Result<_, author::Fail>>()?)
+            }
+            Items::Mesh(v) => Items::Mesh(vec![values::Mesh {
+                points: buffer(c, &v[0].points)?,
+                face_start: buffer(c, &v[0].face_start)?,
+                face_vertices: buffer(c, &v[0].face_vertices)?,
+                addresses: buffer(c, &v[0].addresses)?,
+            }]),
+            Items::Panels(v) => Items::Panels(vec![values::Panels {
+                thickness: v[0].thickness,
+                corner_start: buffer(c, &v[0].corner_start)?,
+                address: buffer(c, &v[0].address)?,
+                normal: buffer(c, &v[0].normal)?,
+                front: buffer(c, &v[0].front)?,
+                vertex: buffer(c, &v[0].vertex)?,
+                chamfer: buffer(c, &v[0].chamfer)?,
+                neighbour: buffer(c, &v[0].neighbour)?,
+                side: buffer(c, &v[0].side)?,
+                back_start: buffer(c, &v[0].back_start)?,
+                back_end: buffer(c, &v[0].back_end)?,
+                voided: buffer(c, &v[0].voided)?,
+            }]),
+            Items::Table(v) => {
+                let one = |a: &values::Attribute<'_>| {
+                    let (name, items) = (a.name.clone().into_owned().into(), in_buffers(c, &a.items)?);
+                    let valid = a.valid.as_ref().map(|v| buffer(c, v)).transpose()?;
+                    Ok(values::Attribute { name, items, valid })
+                };
+                let attributes = v[0].attributes.iter().map(one).collect::<Result<_, author::Fail>>()?;
+                Items::Table(vec![values::Table { rows: v[0].rows, attributes }])
+            }
+            _ => return Err(author::Fail::new("odd", "another type")),
+        })
+    }
 
     fn pass(c: &mut author::Call<'_>) -> Result<(), author::Fail> {
-        c.fill("points", |c| {
-            let Items::Point(given) = c.items("points")? else { return Err(author::Fail::new("odd", "no points")) };
-            let made = c.buffer::<tenon_vec3>(given.len())?;
-            made.copy_from_slice(given);
-            SEEN[0].store(given.as_ptr().addr(), Ordering::Relaxed);
-            SEEN[1].store(made.as_ptr().addr(), Ordering::Relaxed);
-            Ok(Items::Point((&*made).into()))
-        })?;
-        let curve = c.curve("curve")?;
-        c.set_curve("curve", curve)
+        for (port, _) in samples(&HandsOver) {
+            c.fill(port, |c| {
+                let given = c.tree(port)?;
+                let made = in_buffers(c, c.items(port)?)?;
+                let seen = [arrays(given), arrays(&[Branch::root(made.clone())])];
+                SEEN.lock().unwrap().insert(port.to_owned(), seen);
+                Ok(made)
+            })?;
+        }
+        Ok(())
     }
 
     fn passing() -> NodeType {
-        let [points, curve] =
-            [author::Port::point("points").list(), author::Port::curve("curve")].map(|p| p.doc("It."));
-        let node = author::Node::new("here.pass", 1)
-            .name("Pass")
-            .doc("Passes points and a curve on.")
-            .input(points.clone())
-            .input(curve.clone())
-            .output(points)
-            .output(curve)
-            .run(pass);
+        use author::Port as P;
+        let ports = [P::boolean, P::integer, P::number, P::point, P::vector, P::plane, P::curve, P::mesh, P::panels];
+        let ports = ports.into_iter().chain([P::table as fn(&'static str) -> P]);
+        let node = author::Node::new("here.pass", 1).name("Pass").doc("Passes everything on.").run(pass);
+        let node = ports.zip(samples(&HandsOver)).fold(node, |node, (port, (name, _))| {
+            let port = port(name).list().doc("It.");
+            node.input(port.clone()).output(port)
+        });
         let plugin = Plugin::built_in(author::Plugin::new("here", "1.0.0").node(node)).unwrap();
         node_type(&Arc::new(plugin), 0).unwrap()
     }
 
     #[test]
-    fn points_cross_a_plugin_in_rust_at_the_same_addresses_and_strips_stay_strips() {
-        let made: Vec<Point> = (0..100_000).map(|i| Point([f64::from(i), 0.5, -1.0].into())).collect();
-        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 1.0, 0.0], [3.0, 1.0, 0.0]];
-        let corners = corners.map(|[x, y, z]| [x, y, z, 1.0].into()).to_vec();
-        let strips = Curve::strips_of(corners, vec![0, 2, 4], false).unwrap();
-        let (points, curve) = (made.clone(), strips.clone());
-        let source = NodeType::new("source", 1)
-            .output(Port::list::<Point>("points"))
-            .output(Port::item::<V<Curve>>("curve"))
-            .run(move |c| {
-                c.set_column("points", Column::new(points.clone()));
-                c.set("curve", V::new(curve.clone()));
-                Ok(())
-            });
+    fn arrays_cross_a_plugin_in_rust_at_the_same_addresses() {
+        let made: Vec<(&str, Column)> = samples(&HandsOver)
+            .into_iter()
+            .map(|(name, branch)| (name, exchange::tree(vec![branch]).unwrap().branches()[0].1.clone()))
+            .collect();
+        let ports = made.clone();
+        let source = [
+            Port::list::<bool>("boolean"),
+            Port::list::<i64>("integer"),
+            Port::list::<f64>("number"),
+            Port::list::<Point>("point"),
+            Port::list::<Vector>("vector"),
+            Port::list::<Plane>("plane"),
+            Port::list::<V<Curve>>("curve"),
+            Port::list::<V<Mesh>>("mesh"),
+            Port::list::<V<PanelSet>>("panels"),
+            Port::list::<Table>("table"),
+        ]
+        .into_iter()
+        .fold(NodeType::new("source", 1), NodeType::output)
+        .run(move |c| {
+            ports.iter().for_each(|(name, column)| c.set_column(name, column.clone()));
+            Ok(())
+        });
         let mut registry = Registry::new();
         crate::value::register(&mut registry);
         [source, passing()].into_iter().try_for_each(|node| registry.register(node)).unwrap();
-        let graph = r#"{ "format": "tenon", "version": 1, "units": "mm", "nodes": {
-            "a": { "type": "source" },
-            "b": { "type": "here.pass", "inputs": { "points": { "from": ["a.points"] }, "curve": { "from": ["a.curve"] } } }
-        } }"#;
+        let wire = |(name, _): &(&str, Column)| format!(r#""{name}": {{ "from": ["a.{name}"] }}"#);
+        let wires: Vec<String> = made.iter().map(wire).collect();
+        let graph = format!(
+            r#"{{ "format": "tenon", "version": 1, "units": "mm", "nodes": {{
+            "a": {{ "type": "source" }}, "b": {{ "type": "here.pass", "inputs": {{ {} }} }} }} }}"#,
+            wires.join(", ")
+        );
         let document = Document::from_slice(graph.as_bytes()).unwrap();
         let mut session = Session::new(Arc::new(registry), document, Options::default());
-        let report = session.evaluate(&["b.points", "b.curve"], &Control::default());
+        let outputs: Vec<String> = made.iter().map(|(name, _)| format!("b.{name}")).collect();
+        let report = session.evaluate(&outputs.iter().map(String::as_str).collect::<Vec<_>>(), &Control::default());
         assert_eq!(report.diagnostics, []);
-        let address = |port: &str| {
-            let tree = session.value(port).unwrap();
-            let points = tree.branches()[0].1.slice::<Point>().unwrap();
-            assert_eq!(points, made);
-            points.as_ptr().addr()
-        };
-        assert_eq!(address("a.points"), SEEN[0].load(Ordering::Relaxed), "the input was copied");
-        assert_eq!(address("b.points"), SEEN[1].load(Ordering::Relaxed), "the output was copied");
-        assert_eq!(**session.value("b.curve").unwrap().first::<V<Curve>>().unwrap(), strips);
+        let seen = SEEN.lock().unwrap();
+        for (name, column) in &made {
+            let arrays_at = |port: String| arrays(&exchange::branches(&session.value(&port).unwrap()));
+            assert_eq!(arrays_at(format!("a.{name}")), seen[*name][0], "an input was copied");
+            assert_eq!(arrays_at(format!("b.{name}")), seen[*name][1], "an output was copied");
+            assert_ne!(seen[*name][0], seen[*name][1]);
+            assert_eq!(session.value(&format!("b.{name}")).unwrap().branches()[0].1, *column);
+        }
     }
 
     #[test]

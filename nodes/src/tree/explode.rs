@@ -80,7 +80,7 @@ fn panels() -> NodeType {
         c.set_list_gaps("normals", each().map(|i| i.map(|i| Vector(set.normal[i]))).collect());
         let corners = |i: usize| set.corners(i).map(|k| Some(Point(set.front[k]))).collect();
         c.set_tree("corners", branches(set.len(), corners));
-        let across = |i: usize| set.corners(i).map(|k| set.neighbour[k].map(|n| i64::from(n.panel))).collect();
+        let across = |i: usize| set.corners(i).map(|k| set.neighbour[k].get().map(|n| i64::from(n.panel))).collect();
         c.set_tree("neighbours", branches(set.len(), across));
         c.set("thickness", set.thickness);
         Ok(())

@@ -40,14 +40,15 @@ impl Carried for Mesh {
                 .ok_or_else(|| format!("a mesh is {{\"points\": [[x, y, z]…], \"faces\": [[vertex…]…]}}; no {key}"))
         };
         let points = list("points")?.iter().map(read_xyz).collect::<Result<Vec<_>, _>>()?;
-        let mut mesh = Self { points, face_start: vec![0], ..Self::default() };
+        let mut mesh = Self { points: points.into(), face_start: vec![0].into(), ..Self::default() };
         for (f, face) in list("faces")?.iter().enumerate() {
             for v in face.as_array().ok_or_else(|| format!("face {f} is not a list of vertex numbers"))? {
                 let v = v.as_u64().filter(|v| (*v as usize) < mesh.points.len());
                 mesh.face_vertices
+                    .to_mut()
                     .push(v.ok_or_else(|| format!("face {f} names a vertex that does not exist"))? as u32);
             }
-            mesh.face_start.push(mesh.face_vertices.len() as u32);
+            mesh.face_start.to_mut().push(mesh.face_vertices.len() as u32);
         }
         Ok(mesh)
     }

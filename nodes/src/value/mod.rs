@@ -18,7 +18,7 @@ mod table;
 
 pub use curve::SegmentNames;
 pub(crate) use panel::with_address;
-pub use point::{Point, Vector};
+pub use point::{Plane, Point, Vector};
 pub use program::{Program, Standing};
 pub use table::Table;
 
@@ -114,7 +114,7 @@ impl<T: Carried> Item for V<T> {
 pub fn register(registry: &mut Registry) {
     registry.register_type::<Point>();
     registry.register_type::<Vector>();
-    registry.register_type::<V<tenon_geometry::Plane>>();
+    registry.register_type::<Plane>();
     registry.register_type::<V<Curve>>();
     registry.register_type::<V<SegmentNames>>();
     registry.register_type::<V<Polygon>>();

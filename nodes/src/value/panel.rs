@@ -18,7 +18,7 @@ impl Carried for PanelSet {
             digest_points(d, &[plane.normal]);
             d.f64(plane.offset);
         }
-        for n in &self.neighbour {
+        for n in self.neighbour.iter().map(|n| n.get()) {
             d.u32(n.map_or(u32::MAX, |n| n.panel));
             d.u32(n.map_or(u32::MAX, |n| n.edge));
         }
@@ -43,7 +43,7 @@ impl Carried for PanelSet {
                         "front": xyz(self.front[k]),
                         "back": [xyz(self.back_start[k]), xyz(self.back_end[k])],
                         "chamfer": xyz(self.chamfer[k].normal),
-                        "neighbour": self.neighbour[k].map(|n| self.address[n.panel as usize].to_string()),
+                        "neighbour": self.neighbour[k].get().map(|n| self.address[n.panel as usize].to_string()),
                         "voided": self.voided[k],
                     })
                 })

@@ -1,9 +1,9 @@
 //! Points, vectors and planes.
 
-use super::{Carried, xyz};
+use super::xyz;
 use serde_json::json;
 use tenon_engine::{Digester, Item, Json, pack, unpack};
-use tenon_geometry::{DVec3, Plane};
+use tenon_geometry::DVec3;
 
 /// A point, mm. JSON `[x, y, z]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -14,6 +14,11 @@ pub struct Point(pub DVec3);
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(transparent)]
 pub struct Vector(pub DVec3);
+
+/// An oriented plane. JSON `{ "origin": [x, y, z], "normal": [x, y, z] }`; a literal's normal may have any length.
+#[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
+pub struct Plane(pub tenon_geometry::Plane);
 
 /// Reads `[x, y]` or `[x, y, z]` with finite numbers.
 pub(crate) fn read_xyz(json: &Json) -> Result<DVec3, String> {
@@ -66,17 +71,15 @@ macro_rules! coordinates {
 coordinates!(Point, "point", " mm");
 coordinates!(Vector, "vector", "");
 
-impl Carried for Plane {
+impl Item for Plane {
     const TYPE: &'static str = "plane";
+    const FORMAT: u32 = 1;
     fn digest(&self, d: &mut Digester) {
-        digest_xyz(self.normal, d);
-        d.f64(self.offset);
-    }
-    fn heap_bytes(&self) -> usize {
-        0
+        digest_xyz(self.0.normal, d);
+        d.f64(self.0.offset);
     }
     fn to_json(&self) -> Json {
-        json!({ "origin": xyz(self.normal * self.offset), "normal": xyz(self.normal) })
+        json!({ "origin": xyz(self.0.normal * self.0.offset), "normal": xyz(self.0.normal) })
     }
     fn from_json(json: &Json) -> Result<Self, String> {
         let part = |key: &str| json.get(key).ok_or_else(|| format!("a plane is {{\"origin\", \"normal\"}}; no {key}"));
@@ -84,10 +87,16 @@ impl Carried for Plane {
         let normal = read_xyz(part("normal")?)?
             .try_normalize()
             .ok_or_else(|| "a plane's normal must not be the zero vector".to_string())?;
-        Ok(Self::through(origin, normal))
+        Ok(Self(tenon_geometry::Plane::through(origin, normal)))
     }
     fn summary(&self) -> String {
-        let n = self.normal;
-        format!("plane with normal ({}, {}, {}) at {} mm", n.x, n.y, n.z, self.offset)
+        let n = self.0.normal;
+        format!("plane with normal ({}, {}, {}) at {} mm", n.x, n.y, n.z, self.0.offset)
+    }
+    fn encode(&self, out: &mut Vec<u8>) -> bool {
+        pack(&self.0, out)
+    }
+    fn decode(bytes: &mut &[u8]) -> Option<Self> {
+        unpack(bytes).map(Self)
     }
 }
