@@ -1,5 +1,6 @@
 //! The C headers say what the Rust source says. `TENON_WRITE_HEADERS=1 cargo test -p tenon-plugin` writes them anew.
 
+use super::golden::{compare, measured, only_grew};
 use std::path::Path;
 
 /// One header from one source file.
@@ -47,30 +48,19 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-#[track_caller]
-pub fn compare(place: &str, text: &str) {
-    let place = root().join(place);
-    if std::env::var_os("TENON_WRITE_HEADERS").is_some() {
-        std::fs::write(&place, text).unwrap();
-    }
-    let there = std::fs::read_to_string(&place).unwrap_or_default();
-    assert!(
-        there == text,
-        "{} is not what the source says: TENON_WRITE_HEADERS=1 cargo test writes it",
-        place.display()
-    );
-}
-
 #[test]
 fn the_header_of_values_is_what_the_source_says() {
     let about = "Values of Tenon as they cross to plugins and hosts. Lengths are mm, angles radians.";
-    compare("include/tenon_value.h", &header("src/abi/value.rs", "tenon_value", about, &[]));
+    compare(&root().join("include/tenon_value.h"), &header("src/abi/value.rs", "tenon_value", about, &[]));
 }
 
 #[test]
 fn the_header_of_plugins_is_what_the_source_says() {
     let about = include_str!("plugin_header.txt").trim_end();
-    compare("include/tenon_plugin.h", &header("src/abi/plugin.rs", "tenon_plugin", about, &["tenon_value.h"]));
+    compare(
+        &root().join("include/tenon_plugin.h"),
+        &header("src/abi/plugin.rs", "tenon_plugin", about, &["tenon_value.h"]),
+    );
 }
 
 #[test]
@@ -118,64 +108,18 @@ fn every_function_says_which_thread_may_call_it() {
     }
 }
 
-/// Every field of version 1.0 lies where it lay, and structs only grew. This file is never written anew.
+/// Every field of version 1.0 lies where it lay, and structs only grew. That file is never written anew.
 #[test]
 fn later_versions_only_grow() {
-    let read = |name: &str| std::fs::read_to_string(root().join("tests").join(name)).unwrap();
-    let fields = |text: &str| {
-        let (mut all, mut name) = (std::collections::BTreeMap::new(), String::new());
-        for line in text.lines() {
-            let (what, number) = line.trim().split_once(' ').unwrap();
-            if !line.starts_with(' ') {
-                name = what.to_owned();
-            }
-            all.insert((name.clone(), line.starts_with(' ').then(|| what.to_owned())), number.parse::<u64>().unwrap());
-        }
-        all
-    };
-    let (first, today) = (fields(&read("layout-1.0-x86_64-linux.txt")), fields(&read("layout-x86_64-linux.txt")));
-    assert!(first.len() > 100);
-    for ((name, field), was) in first {
-        let is = today[&(name.clone(), field.clone())];
-        assert!(if field.is_some() { is == was } else { is >= was }, "{name} {field:?}: {was} became {is}");
-    }
+    let tests = root().join("tests");
+    let fields = only_grew(&tests.join("layout-1.0-x86_64-linux.txt"), &tests.join("layout-x86_64-linux.txt"));
+    assert!(fields > 100, "{fields}");
 }
 
 /// Where every field of every struct of the contract lies. A change here breaks every plugin and host that was built.
 #[test]
 fn the_layout_is_what_was_frozen() {
-    let mut program =
-        String::from("#include <stddef.h>\n#include <stdio.h>\n#include \"tenon_plugin.h\"\nint main(void) {\n");
-    for header in ["tenon_value.h", "tenon_plugin.h"] {
-        let text = std::fs::read_to_string(root().join("include").join(header)).unwrap();
-        let mut name = String::new();
-        for line in text.lines().map(str::trim) {
-            if let Some(rest) = line.strip_prefix("typedef struct ").and_then(|r| r.strip_suffix(" {")) {
-                name = rest.to_owned();
-                program += &format!("printf(\"{name} %zu\\n\", sizeof({name}));\n");
-            } else if line.starts_with('}') {
-                name.clear();
-            } else if !name.is_empty() && !line.starts_with("//") {
-                // A function pointer may go over several lines; its name stands in the first.
-                let field = match line.split_once("(*") {
-                    Some((_, rest)) => rest.split(')').next().unwrap(),
-                    None if line.ends_with(");") || !line.ends_with(';') => continue,
-                    None => line.trim_end_matches(';').rsplit([' ', '*']).next().unwrap(),
-                };
-                program += &format!("printf(\"  {field} %zu\\n\", offsetof({name}, {field}));\n");
-            }
-        }
-    }
-    program += "return 0; }\n";
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let (source, binary) = (folder.join("layout.c"), folder.join("layout"));
-    std::fs::write(&source, program).unwrap();
-    let include = root().join("include");
-    let done =
-        std::process::Command::new("cc").arg("-I").arg(include).arg(&source).arg("-o").arg(&binary).output().unwrap();
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    let out = String::from_utf8(std::process::Command::new(&binary).output().unwrap().stdout).unwrap();
+    let out = measured(&["tenon_value.h", "tenon_plugin.h"], &[&root().join("include")]);
     assert!(out.lines().count() > 100, "{out}");
-    let target = format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS);
-    compare(&format!("tests/layout-{target}.txt"), &out);
+    compare(&root().join(format!("tests/layout-{}-{}.txt", std::env::consts::ARCH, std::env::consts::OS)), &out);
 }

@@ -2,6 +2,7 @@
 //! (pointers of 8 bytes, every field at a multiple of its own alignment), held to what the compiler says here, and, where
 //! there is clang, to what it says for each target.
 
+use super::golden::{Line, compare, lines};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
@@ -19,18 +20,6 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Name and type of a field, from its line.
-fn field(line: &str) -> Option<(&str, &str)> {
-    if let Some((_, rest)) = line.split_once("(*") {
-        return Some((rest.split(')').next()?, "*"));
-    }
-    // The end of a function pointer over several lines is none.
-    let line = line.strip_suffix(';').filter(|line| !line.ends_with(')'))?;
-    let (kind, name) = line.rsplit_once([' ', '*'])?;
-    let pointer = line.contains('*');
-    Some((name, if pointer { "*" } else { kind.trim_start_matches("struct ").trim() }))
-}
-
 /// Every struct and field as `tests/layout-*.txt` has them.
 fn worked_out() -> String {
     let numbers =
@@ -41,24 +30,26 @@ fn worked_out() -> String {
     let mut out = String::new();
     for header in ["tenon_value.h", "tenon_plugin.h"] {
         let text = std::fs::read_to_string(root().join("include").join(header)).unwrap();
-        let (mut name, mut fields, mut end, mut most) = (String::new(), String::new(), 0_u64, 1);
-        for line in text.lines().map(str::trim).filter(|line| !line.starts_with("//")) {
-            if let Some(rest) = line.strip_prefix("typedef struct ").and_then(|r| r.strip_suffix(" {")) {
-                (name, fields, end, most) = (rest.to_owned(), String::new(), 0, 1);
-            } else if line.starts_with('}') && !name.is_empty() {
-                let size = end.next_multiple_of(most);
-                write!(out, "{name} {size}\n{fields}").unwrap();
-                types.insert(std::mem::take(&mut name), (size, most));
-            } else if let Some((field, kind)) = field(line).filter(|_| !name.is_empty()) {
-                let (size, align) = *types.get(kind).unwrap_or_else(|| panic!("{name}.{field} is a {kind}"));
-                let at = end.next_multiple_of(align);
-                writeln!(fields, "  {field} {at}").unwrap();
-                (end, most) = (at + size, most.max(align));
-            } else if let Some((kind, alias)) =
-                line.strip_prefix("typedef ").and_then(|r| r.strip_suffix(';')?.split_once(' '))
-                && let Some(known) = types.get(kind).copied()
-            {
-                types.insert(alias.to_owned(), known);
+        let (mut of, mut fields, mut end, mut most) = ("", String::new(), 0_u64, 1);
+        for line in lines(&text) {
+            match line {
+                Line::Struct(name) => (of, fields, end, most) = (name, String::new(), 0, 1),
+                Line::End => {
+                    let size = end.next_multiple_of(most);
+                    write!(out, "{of} {size}\n{fields}").unwrap();
+                    types.insert(of.to_owned(), (size, most));
+                }
+                Line::Field(name, kind) => {
+                    let (size, align) = *types.get(kind).unwrap_or_else(|| panic!("{of}.{name} is a {kind}"));
+                    let at = end.next_multiple_of(align);
+                    writeln!(fields, "  {name} {at}").unwrap();
+                    (end, most) = (at + size, most.max(align));
+                }
+                Line::Other(line) => {
+                    let alias = line.strip_prefix("typedef ").and_then(|r| r.strip_suffix(';')?.split_once(' '));
+                    let known = alias.and_then(|(kind, name)| Some((name, *types.get(kind)?)));
+                    types.extend(known.map(|(name, known)| (name.to_owned(), known)));
+                }
             }
         }
     }
@@ -93,7 +84,7 @@ fn the_layout_of_other_targets_is_what_was_frozen() {
     let done = accepts("cc", &[]).unwrap();
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     for (target, triple) in TARGETS {
-        super::headers::compare(&format!("tests/layout-{target}.txt"), &layout);
+        compare(&root().join(format!("tests/layout-{target}.txt")), &layout);
         if let Ok(done) = accepts("clang", &[&format!("--target={triple}")]) {
             assert!(done.status.success(), "{target}: {}", String::from_utf8_lossy(&done.stderr));
         }

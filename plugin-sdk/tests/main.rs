@@ -1,4 +1,5 @@
 //! The contract: its headers, and what crosses.
 
+mod golden;
 mod headers;
 mod layout;

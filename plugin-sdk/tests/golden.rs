@@ -1,0 +1,121 @@
+//! What the tests of all our headers share: files that are what the source says, and where the fields of structs lie.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+
+/// Fails unless the file at `place` is `text`; with `TENON_WRITE_HEADERS` it is made so first.
+#[track_caller]
+pub fn compare(place: &Path, text: &str) {
+    if std::env::var_os("TENON_WRITE_HEADERS").is_some() {
+        std::fs::write(place, text).unwrap();
+    }
+    let there = std::fs::read_to_string(place).unwrap_or_default();
+    assert!(
+        there == text,
+        "{} is not what the source says: TENON_WRITE_HEADERS=1 cargo test writes it",
+        place.display()
+    );
+}
+
+/// Name and type of a field, from its line in a header.
+fn field(line: &str) -> Option<(&str, &str)> {
+    if let Some((_, rest)) = line.split_once("(*") {
+        return Some((rest.split(')').next()?, "*"));
+    }
+    // The end of a function pointer over several lines is none.
+    let line = line.strip_suffix(';').filter(|line| !line.ends_with(')'))?;
+    let (kind, name) = line.rsplit_once([' ', '*'])?;
+    let pointer = line.contains('*');
+    Some((name, if pointer { "*" } else { kind.trim_start_matches("struct ").trim() }))
+}
+
+/// A line of a header that tells of structs.
+#[allow(dead_code, reason = "not every crate that includes this file reads all of it")]
+pub enum Line<'a> {
+    /// A struct of that name begins.
+    Struct(&'a str),
+    /// It ends.
+    End,
+    /// A field of that name and type; pointers are of type `*`.
+    Field(&'a str, &'a str),
+    /// Anything outside of structs.
+    Other(&'a str),
+}
+
+/// The lines of a header without its comments.
+pub fn lines(header: &str) -> impl Iterator<Item = Line<'_>> {
+    let mut inside = false;
+    header.lines().map(str::trim).filter(|line| !line.starts_with("//")).filter_map(move |line| {
+        if let Some(name) = line.strip_prefix("typedef struct ").and_then(|rest| rest.strip_suffix(" {")) {
+            inside = true;
+            Some(Line::Struct(name))
+        } else if !inside {
+            Some(Line::Other(line))
+        } else if line.starts_with('}') {
+            inside = false;
+            Some(Line::End)
+        } else {
+            field(line).map(|(name, kind)| Line::Field(name, kind))
+        }
+    })
+}
+
+/// Where every field of every struct of some headers lies, as the compiler of this machine says: a line with its size for
+/// each struct, and for each field one with its offset. They lie in `folders[0]`; others may be included from the rest.
+#[track_caller]
+pub fn measured(headers: &[&str], folders: &[&Path]) -> String {
+    let mut program = String::from("#include <stddef.h>\n#include <stdio.h>\n");
+    headers.iter().for_each(|name| program += &format!("#include \"{name}\"\n"));
+    program += "int main(void) {\n";
+    for header in headers {
+        let mut of = "";
+        let text = std::fs::read_to_string(folders[0].join(header)).unwrap();
+        for line in lines(&text) {
+            match line {
+                Line::Struct(name) => {
+                    of = name;
+                    program += &format!("printf(\"{name} %zu\\n\", sizeof({name}));\n");
+                }
+                Line::Field(name, _) => {
+                    program += &format!("printf(\"  {name} %zu\\n\", offsetof({of}, {name}));\n");
+                }
+                Line::End | Line::Other(_) => (),
+            }
+        }
+    }
+    program += "return 0; }\n";
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let (source, binary) = (folder.join("layout.c"), folder.join("layout"));
+    std::fs::write(&source, program).unwrap();
+    let mut compiler = Command::new("cc");
+    for folder in folders {
+        compiler.arg("-I").arg(folder);
+    }
+    let done = compiler.arg(&source).arg("-o").arg(&binary).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    String::from_utf8(Command::new(&binary).output().unwrap().stdout).unwrap()
+}
+
+/// Fails unless every field of an older layout lies in today's where it lay, and structs only grew. Gives how many lines the
+/// older has.
+#[track_caller]
+pub fn only_grew(older: &Path, today: &Path) -> usize {
+    let read = |place: &Path| {
+        let (mut all, mut of) = (BTreeMap::new(), String::new());
+        for line in std::fs::read_to_string(place).unwrap().lines() {
+            let (what, number) = line.trim().split_once(' ').unwrap();
+            if !line.starts_with(' ') {
+                of = what.to_owned();
+            }
+            all.insert((of.clone(), line.starts_with(' ').then(|| what.to_owned())), number.parse::<u64>().unwrap());
+        }
+        all
+    };
+    let (older, today) = (read(older), read(today));
+    for ((of, field), was) in &older {
+        let is = &today[&(of.clone(), field.clone())];
+        assert!(if field.is_some() { is == was } else { is >= was }, "{of} {field:?}: {was} became {is}");
+    }
+    older.len()
+}
