@@ -289,15 +289,15 @@ mod tests {
     fn what_stands_in_a_gap_makes_no_difference() {
         let gaps = Column::with_gaps(vec![Some(1.0), None, Some(3.0)]);
         let own = Column::with_valid(vec![1.0, 2.0, 3.0], vec![true, false, true]);
-        static ITEMS: [f64; 3] = [1.0, f64::NAN, 3.0];
-        let lent = Column::lent_with_gaps(&ITEMS, &[true, false, true]);
-        assert_eq!(lent.slice::<f64>().map(<[f64]>::as_ptr), Some(ITEMS.as_ptr()));
+        let items: &'static [f64] = &[1.0, f64::NAN, 3.0];
+        let lent = Column::lent_with_gaps(items, [true, false, true]);
+        assert_eq!(lent.slice::<f64>().map(<[f64]>::as_ptr), Some(items.as_ptr()));
         assert_eq!((&own, &lent), (&gaps, &gaps));
         assert_eq!((own.pick(&[Some(1), Some(2)]), lent.get::<f64>(1)), (gaps.pick(&[Some(1), Some(2)]), None));
-        assert_eq!(Column::lent_with_gaps(&ITEMS[..1], &[true]), Column::new(vec![1.0]));
+        assert_eq!(Column::lent_with_gaps(&items[..1], [true]), Column::new(vec![1.0]));
         // Items that nothing is said of are gaps.
         let short = Column::with_gaps(vec![Some(1.0), None, None]);
-        assert_eq!(Column::lent_with_gaps(&ITEMS, &[true]), short);
+        assert_eq!(Column::lent_with_gaps(items, [true]), short);
         assert_eq!(Column::with_valid(vec![1.0, 2.0, 3.0], vec![true]), short);
     }
 

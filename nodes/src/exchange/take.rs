@@ -137,8 +137,8 @@ fn column<'a>(items: c::Items<'a>, valid: Valid<'a>, keep: &impl Keep<'a>) -> Re
             kept::<Vector>(array(v, keep), valid, keep)
         }
         c::Items::Plane(v) => {
-            let there = v.iter().enumerate().filter(|(i, _)| is_there(&valid, *i));
-            there.map(|(i, p)| plane(*p).map_err(|why| format!("item {i}: {why}"))).collect::<Result<(), _>>()?;
+            let mut there = v.iter().enumerate().filter(|(i, _)| is_there(&valid, *i));
+            there.try_for_each(|(i, p)| plane(*p).map_err(|why| format!("item {i}: {why}")))?;
             kept::<Plane>(array(v, keep), valid, keep)
         }
         c::Items::Curve(v) => made(v, valid, |x| curve(x, keep).map(V::new))?,

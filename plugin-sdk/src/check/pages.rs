@@ -62,7 +62,8 @@ mod guarded {
     pub(in super::super) struct Pages {
         behind: Behind,
         page: usize,
-        mappings: Vec<Box<Mapping>>,
+        /// Each of a box, which the handler knows too.
+        mappings: Vec<*mut Mapping>,
         before: [libc::sigaction; 2],
         _turn: MutexGuard<'static, ()>,
     }
@@ -132,14 +133,12 @@ mod guarded {
         /// As [`Pages::lend`].
         pub unsafe fn keep(&mut self, from: *const u8, bytes: usize) -> *const u8 {
             // SAFETY: as the caller vouches.
-            let (at, mapping) = unsafe { self.map(from, bytes) };
-            Box::leak(mapping);
-            at
+            unsafe { self.map(from, bytes).0 }
         }
 
         /// # Safety
         /// As [`Pages::lend`].
-        unsafe fn map(&self, from: *const u8, bytes: usize) -> (*const u8, Box<Mapping>) {
+        unsafe fn map(&self, from: *const u8, bytes: usize) -> (*const u8, *mut Mapping) {
             let open = bytes.max(1).next_multiple_of(self.page);
             let length = open + if self.behind == Behind::Nothing { self.page } else { 0 };
             let (protection, flags) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_PRIVATE | libc::MAP_ANON);
@@ -159,8 +158,9 @@ mod guarded {
             };
             let start = start.expose_provenance();
             let next = NEWEST.load(Ordering::Relaxed);
-            let mapping = Box::new(Mapping { start, open, length, forced: AtomicBool::new(false), next });
-            NEWEST.store(std::ptr::from_ref(&*mapping).cast_mut(), Ordering::Release);
+            let mapping = Mapping { start, open, length, forced: AtomicBool::new(false), next };
+            let mapping = Box::into_raw(Box::new(mapping));
+            NEWEST.store(mapping, Ordering::Release);
             (at, mapping)
         }
 
@@ -178,8 +178,11 @@ mod guarded {
             }
             NEWEST.store(null_mut(), Ordering::Release);
             for mapping in &self.mappings {
-                // SAFETY: our own pages, which nobody may look at any more.
-                unsafe { libc::munmap(std::ptr::with_exposed_provenance_mut(mapping.start), mapping.length) };
+                // SAFETY: our own box, and our own pages, which nobody may look at any more.
+                unsafe {
+                    let mapping = Box::from_raw(*mapping);
+                    libc::munmap(std::ptr::with_exposed_provenance_mut(mapping.start), mapping.length);
+                }
             }
         }
     }
