@@ -102,7 +102,7 @@ fn values_are_tables() {
     w.app().model.selection = ["arc".to_owned()].into();
     w.steps(1);
     w.click(w.rect("Data").center());
-    assert!(w.has("1 branches, 1 items of curve"));
+    assert!(w.has("1 branch, 1 item of curve"));
     w.picture("data");
     w.click(w.first("Profile").center());
     w.click(w.rect("time of pack").center());

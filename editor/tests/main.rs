@@ -15,5 +15,6 @@ mod panels;
 mod sheets;
 mod shell;
 mod sliders;
+mod snapshots;
 mod viewport;
 mod window;

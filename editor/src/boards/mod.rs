@@ -28,7 +28,9 @@ use tenon_geometry::DVec2;
 #[derive(Default)]
 pub struct BoardView {
     view: View,
-    fitted: bool,
+    /// The room that all boards were fitted into: they are fitted again if it changes, until somebody moves the view.
+    fitted: Option<Rect>,
+    moved: bool,
     found: Option<Boards>,
     /// The programs as steps, read beside the window.
     plays: Beside<Vec<Play>>,
@@ -118,7 +120,8 @@ impl BoardView {
         if let Some(plays) = self.plays.last().cloned().filter(|p| !p.is_empty()) {
             egui::Panel::bottom("player").show(ui, |ui| self.player.bar(ui, &plays));
             if self.player.code {
-                let panel = egui::Panel::right("code").default_size(400.0).min_size(160.0);
+                let panel =
+                    egui::Panel::right("code").default_size((ui.available_width() * 0.5).min(400.0)).min_size(160.0);
                 panel.show(ui, |ui| self.player.code(ui, &plays));
             }
             self.carve(ui.ctx(), &plays);
@@ -168,21 +171,24 @@ impl BoardView {
         let response = ui.interact(area, Id::new("boards"), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "boards"));
         let draw = Draw::new(found);
-        if !self.fitted {
+        if !self.moved && self.fitted != Some(area) {
             self.view.fit(area, draw.bounds());
-            self.fitted = true;
+            self.fitted = Some(area);
         }
         if let Some((board, at)) = self.player.show.take() {
             let at = draw.board(board).min + at.truncate();
             let middle = pos2(at.x as f32, -at.y as f32);
             self.view.fit(area, Rect::from_center_size(middle, egui::vec2(300.0, 300.0)));
+            self.moved = true;
         }
         if response.dragged() {
             self.view.origin += response.drag_delta();
+            self.moved = true;
         }
         let (scroll, pinch, at) = ui.input(|i| (i.smooth_scroll_delta.y, i.zoom_delta(), i.pointer.latest_pos()));
         if let Some(at) = at.filter(|_| response.contains_pointer() && (scroll != 0.0 || pinch != 1.0)) {
             self.view.zoom_at(area, at, if pinch != 1.0 { pinch } else { (scroll * 0.004).exp() });
+            self.moved = true;
         }
         let part = picked.as_ref().filter(|p| Some(&p.output) == found.panels.as_ref()).map(|p| p.part);
         let painter = ui.painter_at(area);
@@ -266,7 +272,7 @@ impl BoardView {
 
     /// Shows everything at the next frame.
     pub fn show_all(&mut self) {
-        self.fitted = false;
+        (self.moved, self.fitted) = (false, None);
         self.space.show_all();
     }
 }

@@ -6,7 +6,7 @@ use crate::model::cut::Fault;
 use crate::model::play::{Now, Play};
 use crate::scene::{Drawing, Kind, Line, Part, Vertex};
 use crate::theme::Theme;
-use crate::viewport::{Camera, Frame, Shown, look, rgb};
+use crate::viewport::{Camera, Frame, Shown, look};
 use eframe::egui::{Color32, Id, Sense, Ui, WidgetInfo, WidgetType};
 use std::sync::Arc;
 use tenon_geometry::DVec3;
@@ -61,18 +61,8 @@ impl Space {
             self.colours = Arc::new(carve::colours());
         }
         self.count += 1;
-        let plain = |key: String, drawing: Arc<Drawing>, line: Color32| Shown {
-            key,
-            drawing,
-            face: rgb(theme.faint),
-            line: rgb(line),
-            width: [1.2, 5.0],
-            colours: Arc::default(),
-            open: false,
-            coloured_lines: false,
-            clipped: false,
-            picture: None,
-        };
+        let plain =
+            |key: String, drawing, line| Shown { width: [1.2, 5.0], ..Shown::plain(key, drawing, theme.faint, line) };
         let pieces = carved.solid.iter().enumerate().filter(|(_, d)| !d.triangles.is_empty());
         let mut shown: Vec<Shown> = pieces
             .map(|(i, d)| Shown { colours: self.colours.clone(), ..plain(format!("stock {i}"), d.clone(), theme.line) })
@@ -90,15 +80,7 @@ impl Space {
         if !marks.points.is_empty() {
             shown.push(plain("faults".into(), Arc::new(marks), theme.error));
         }
-        let aspect = f64::from(area.width().max(1.0) / area.height().max(1.0));
-        let frame = Frame {
-            matrix: self.camera.matrix(aspect),
-            eye: self.camera.back(),
-            size: [area.width(), area.height()],
-            ground: rgb(theme.space),
-            clip: [0.0; 4],
-            shown,
-        };
+        let frame = Frame::new(&self.camera, area, theme.space, None, shown);
         ui.painter().add(eframe::egui_wgpu::Callback::new_paint_callback(area, frame));
     }
 

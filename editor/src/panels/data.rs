@@ -107,7 +107,10 @@ impl DataView {
             if ui.button("Copy as CSV").clicked() {
                 ui.ctx().copy_text(csv(tree));
             }
-            ui.label(format!("{} branches, {} items of {}", tree.branches().len(), tree.len(), tree.type_name()));
+            let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
+            let branches = count(tree.branches().len(), "branch", "branches");
+            let items = count(tree.len(), "item", "items");
+            ui.label(format!("{branches}, {items} of {}", tree.type_name()));
             if self.statistics.as_ref().is_none_or(|s| s.0 != tree.digest()) {
                 self.statistics = Some((tree.digest(), statistics(tree)));
             }

@@ -5,7 +5,9 @@ mod tiles;
 
 pub use tiles::picture;
 
+use super::{Camera, Clip, rgb};
 use crate::scene::{Drawing, Line, Vertex};
+use eframe::egui::{Color32, Rect};
 use eframe::egui_wgpu::wgpu::util::DeviceExt as _;
 use eframe::egui_wgpu::{self, CallbackResources, CallbackTrait, ScreenDescriptor, wgpu};
 use std::collections::HashMap;
@@ -345,7 +347,38 @@ impl Pipelines {
     }
 }
 
+impl Shown {
+    /// A drawing in one colour for faces and one for lines.
+    pub fn plain(key: String, drawing: Arc<Drawing>, face: Color32, line: Color32) -> Self {
+        Self {
+            key,
+            drawing,
+            face: rgb(face),
+            line: rgb(line),
+            width: [1.0, 4.0],
+            colours: Arc::default(),
+            open: false,
+            coloured_lines: false,
+            clipped: false,
+            picture: None,
+        }
+    }
+}
+
 impl Frame {
+    /// What an eye sees in a rectangle of the window.
+    pub fn new(camera: &Camera, area: Rect, ground: Color32, clip: Option<Clip>, shown: Vec<Shown>) -> Self {
+        let aspect = f64::from(area.width().max(1.0) / area.height().max(1.0));
+        Self {
+            matrix: camera.matrix(aspect),
+            eye: camera.back(),
+            size: [area.width(), area.height()],
+            ground: rgb(ground),
+            clip: clip.map_or([0.0; 4], Clip::plane),
+            shown,
+        }
+    }
+
     fn uniforms(&self, shown: &Shown, size: [u32; 2], scale: f32) -> Uniforms {
         let [x, y, z] = self.eye.as_vec3().to_array();
         let four = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];

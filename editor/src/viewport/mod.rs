@@ -360,23 +360,13 @@ impl Viewport {
             };
             let picked = self.picked.as_ref().filter(|p| p.output == *output).map(|p| p.part);
             let colours = self.colours.of(output, drawing, measure.as_deref(), picked);
-            let open = drawing.kind == Kind::Mesh;
-            let (face, line) = (rgb(face), rgb(line));
-            let (key, drawing) = (output.clone(), drawing.clone());
             // Of curves the one that is picked bears its own colour.
-            let (coloured_lines, clipped, picture) = (drawing.kind == Kind::Curve, true, None);
-            shown.push(Shown { key, drawing, face, line, width, colours, open, coloured_lines, clipped, picture });
+            let (open, coloured_lines) = (drawing.kind == Kind::Mesh, drawing.kind == Kind::Curve);
+            let plain = Shown::plain(output.clone(), drawing.clone(), face, line);
+            shown.push(Shown { width, colours, open, coloured_lines, clipped: true, ..plain });
         }
         self.besides(ui, &theme, model, &mut shown);
-        let aspect = f64::from(area.width().max(1.0) / area.height().max(1.0));
-        let frame = Frame {
-            matrix: self.camera.matrix(aspect),
-            eye: self.camera.back(),
-            size: [area.width(), area.height()],
-            ground: rgb(theme.space),
-            clip: self.clip.map_or([0.0; 4], Clip::plane),
-            shown,
-        };
+        let frame = Frame::new(&self.camera, area, theme.space, self.clip, shown);
         self.drawn = Some(frame.clone());
         ui.painter().add(eframe::egui_wgpu::Callback::new_paint_callback(area, frame));
     }
@@ -384,16 +374,9 @@ impl Viewport {
     /// What is drawn besides what nodes make: references, tool paths, the outline of a section.
     fn besides(&mut self, ui: &Ui, theme: &Theme, model: &Model, shown: &mut Vec<Shown>) {
         let plain = |key: String, drawing, line: Color32| Shown {
-            key,
-            drawing,
-            face: rgb(theme.faint),
-            line: rgb(line),
-            width: [1.0, 4.0],
-            colours: Default::default(),
             open: true,
-            coloured_lines: false,
             clipped: true,
-            picture: None,
+            ..Shown::plain(key, drawing, theme.faint, line)
         };
         for r in &self.references {
             let picture = r.picture.clone();
