@@ -1,67 +1,135 @@
-//! The pictures of the book, drawn by the program: `cargo xtask screenshots` runs this.
+//! The pictures of the book, drawn by the program on a dark and on a light ground: `cargo xtask screenshots` runs this.
 
 #[allow(dead_code, reason = "the tests do more with it")]
 #[path = "../tests/common.rs"]
 mod common;
 
-use common::{Window, example, root};
-use eframe::egui::vec2;
+use common::{Window, example, graph, root};
+use eframe::egui::{Theme, pos2, vec2};
+use image::DynamicImage;
+use image::codecs::png::{CompressionType, FilterType as Rows, PngEncoder};
+use image::imageops::{FilterType, resize};
+use std::path::Path;
+use tenon_editor::app::Side;
+use tenon_editor::panels::Tab;
+use tenon_editor::scene::Part;
+use tenon_editor::viewport::{Clip, Measure};
+use tenon_engine::Operation;
+
+/// A graph of which something is wrong, so that there is something to tell.
+const WRONG: &str = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "count": { "type": "integer", "v": 1, "params": { "value": -5 } },
+    "series": { "type": "series", "v": 1, "inputs": { "count": { "from": ["count.value"] } } },
+    "points": { "type": "point", "v": 1, "inputs": { "x": { "from": ["series.numbers"] } } },
+    "later": { "type": "number", "v": 1, "params": { "value": 3 }, "state": "disabled" },
+    "clamp": { "type": "camlock.connector", "v": 1 }
+  }
+}"#;
 
 fn main() {
-    let save = |w: &mut Window, name: &str| {
-        let picture = w.picture(name);
-        picture.save(root().join(format!("docs/{name}.png"))).unwrap();
-    };
-    let mut w = Window::sized(Some(&example("shell-256")), vec2(1440.0, 860.0));
-    w.app().model.selection = ["thicken".to_owned()].into();
-    w.app().canvas.show_all();
-    w.steps(3);
-    w.app().model.selection.clear();
-    w.steps(2);
-    save(&mut w, "editor");
-    player(&mut w, save);
-    w.harness.ctx.set_theme(eframe::egui::Theme::Light);
-    w.app().side = tenon_editor::app::Side::Space;
-    w.app().viewport.measure = Some(tenon_editor::viewport::Measure::Size);
-    w.app().model.selection = ["thicken".to_owned()].into();
-    w.app().canvas.show_all();
-    w.app().lower.toggle(tenon_editor::panels::Tab::Profile);
-    w.settle();
-    save(&mut w, "editor-light");
-    inside(save);
-    open(save);
+    // The window shows them among the examples.
     for name in ["quad-mesh", "shell-21mm", "shell-256", "three-strips"] {
         thumbnail(name);
     }
+    whole();
+    found();
+    colours();
+    boards();
+    inside();
+    open();
+    problems();
+    gallery();
 }
 
-/// The boards while they are cut: from above on a dark ground, in space on a light one.
-fn player(w: &mut Window, save: impl Fn(&mut Window, &str)) {
-    w.app().side = tenon_editor::app::Side::Boards;
-    w.app().model.selection = ["pack".to_owned()].into();
+fn save(picture: impl Into<DynamicImage>, to: &str) {
+    let file = std::fs::File::create(root().join(to)).unwrap();
+    let small = PngEncoder::new_with_quality(file, CompressionType::Best, Rows::Adaptive);
+    picture.into().into_rgb8().write_with_encoder(small).unwrap();
+}
+
+/// Draws what a window shows on both grounds.
+fn both(w: &mut Window, name: &str) {
+    for (theme, ground) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
+        w.harness.ctx.set_theme(theme);
+        w.settle();
+        let name = format!("{name}-{ground}");
+        let picture = w.picture(&name);
+        save(picture, &format!("docs/{name}.png"));
+    }
+}
+
+/// A window of which nothing is told that depends on the machine, and the pointer out of the way.
+fn window(graph: Option<&Path>) -> Window {
+    let mut w = Window::sized(graph, vec2(1280.0, 760.0));
+    if w.has("I see") {
+        w.click(w.rect("I see").center());
+    }
+    w.harness.event(eframe::egui::Event::PointerGone);
+    w.steps(2);
+    w
+}
+
+fn shell() -> Window {
+    window(Some(&example("shell-256")))
+}
+
+fn choose(w: &mut Window, id: &str) {
+    w.app().model.selection = [id.to_owned()].into();
     w.app().canvas.show_all();
     w.settle();
+}
+
+/// The shell of 256 panels, near enough that the inputs of its nodes are read.
+fn whole() {
+    let mut w = shell();
+    choose(&mut w, "thicken");
+    w.app().model.selection.clear();
+    both(&mut w, "editor");
+}
+
+/// A node that is looked for.
+fn found() {
+    let mut w = shell();
+    choose(&mut w, "thicken");
+    let canvas = w.rect("canvas");
+    w.double_click(pos2(canvas.left() + 60.0, canvas.top() + 40.0));
+    w.type_text("panel");
+    both(&mut w, "editor-finder");
+}
+
+/// Sizes of panels in colours, and how long each node took.
+fn colours() {
+    let mut w = shell();
+    w.app().viewport.measure = Some(Measure::Size);
+    choose(&mut w, "thicken");
+    w.app().lower.toggle(Tab::Profile);
+    both(&mut w, "editor-colours");
+}
+
+/// The boards while they are cut: from above with the program, and in space.
+fn boards() {
+    let mut w = shell();
+    w.app().side = Side::Boards;
+    choose(&mut w, "pack");
     let length = w.app().boards.plays()[0].length();
-    w.app().boards.player.code = true;
     w.app().boards.player.go_to(0.75 * length);
-    w.settle();
+    both(&mut w, "editor-boards");
     // Near enough to see holes, grain and the tool.
-    let near = w.app().boards.now().map(|(play, now)| (play.board, now.tip));
-    w.app().boards.player.show = near;
-    w.settle();
-    save(w, "editor-boards");
-    w.harness.ctx.set_theme(eframe::egui::Theme::Light);
+    w.app().boards.player.code = true;
+    w.app().boards.player.show = w.app().boards.now().map(|(play, now)| (play.board, now.tip));
+    both(&mut w, "editor-program");
     (w.app().boards.player.solid, w.app().boards.player.code) = (true, false);
     w.settle();
     w.app().boards.show_all();
-    w.settle();
-    save(w, "editor-solid");
-    w.app().boards.player.solid = false;
+    both(&mut w, "editor-solid");
 }
 
-/// A cluster from inside, with a group and a note, on a dark ground.
-fn inside(save: impl Fn(&mut Window, &str)) {
-    let mut w = Window::sized(Some(&example("three-strips")), vec2(1280.0, 760.0));
+/// A cluster from inside, with a group and a note.
+fn inside() {
+    let mut w = window(Some(&example("three-strips")));
     w.app().model.enter("low").unwrap();
     w.app().canvas.opened();
     w.settle();
@@ -74,37 +142,55 @@ fn inside(save: impl Fn(&mut Window, &str)) {
     let (id, add) = w.app().model.new_node("note", [250.0, -420.0]);
     w.app().model.edit(add);
     let text = Some("Every strip bends over its own arc.\nThe folds are the same in all of them.".into());
-    w.app().model.edit(tenon_engine::Operation::SetParam { node: id, port: "text".into(), value: text });
+    w.app().model.edit(Operation::SetParam { node: id, port: "text".into(), value: text });
     w.app().model.selection.clear();
     w.app().canvas.show_all();
-    w.settle();
-    save(&mut w, "editor-inside");
+    both(&mut w, "editor-inside");
 }
 
-/// The shell cut open, with its tool paths, and the list of its pieces, on a light ground.
-fn open(save: impl Fn(&mut Window, &str)) {
-    let mut w = Window::sized(Some(&example("shell-256")), vec2(1280.0, 760.0));
-    w.harness.ctx.set_theme(eframe::egui::Theme::Light);
+/// The shell cut open, with its tool paths, and the list of its pieces.
+fn open() {
+    let mut w = shell();
     w.app().viewport.tool_paths = true;
-    w.app().viewport.clip = Some(tenon_editor::viewport::Clip::square_to(0, 2600.0));
-    w.app().lower.toggle(tenon_editor::panels::Tab::Pieces);
+    w.app().viewport.clip = Some(Clip::square_to(0, 2600.0));
+    choose(&mut w, "thicken");
+    w.app().model.selection.clear();
+    w.app().lower.toggle(Tab::Pieces);
     w.settle();
     // Near enough to see single moves.
     let parts = &w.app().model.results.drawings["thicken.panels"].parts;
-    let off = |p: &tenon_editor::scene::Part| (p.centre.x - 2500.0).abs() + (p.centre.y - 500.0).abs();
+    let off = |p: &Part| (p.centre.x - 2500.0).abs() + (p.centre.y - 500.0).abs();
     let near = parts.iter().min_by(|a, b| off(a).total_cmp(&off(b))).map(|p| p.centre);
     let camera = &mut w.app().viewport.camera;
     (camera.target, camera.distance) = (near.unwrap(), 1500.0);
-    w.settle();
-    save(&mut w, "editor-open");
+    both(&mut w, "editor-open");
 }
 
-/// The picture of an example for the window's list of examples.
+/// What is wrong, at the nodes and in words, and what a number is.
+fn problems() {
+    let mut w = window(Some(&graph("problems", WRONG)));
+    w.app().lower.toggle(Tab::Problems);
+    w.app().canvas.show_all();
+    w.steps(2);
+    w.app().model.selection = ["series".to_owned()].into();
+    both(&mut w, "editor-problems");
+}
+
+/// The examples.
+fn gallery() {
+    let mut w = window(None);
+    w.click(w.rect("Help").center());
+    w.click(w.rect("Examples …").center());
+    w.harness.event(eframe::egui::Event::PointerGone);
+    both(&mut w, "editor-examples");
+}
+
+/// The picture of an example for the window's list of examples: drawn larger, so that thin lines stay whole.
 fn thumbnail(name: &str) {
     let mut w = Window::sized(Some(&example(name)), vec2(1000.0, 640.0));
-    w.harness.ctx.set_theme(eframe::egui::Theme::Light);
+    w.harness.ctx.set_theme(Theme::Light);
     w.app().viewport.show_all();
     w.settle();
-    let picture = w.app().viewport.picture([320, 200]).unwrap();
-    picture.save(root().join(format!("graphs/{name}/{name}.png"))).unwrap();
+    let picture = w.app().viewport.picture([1280, 800]).unwrap();
+    save(resize(&picture, 320, 200, FilterType::Triangle), &format!("graphs/{name}/{name}.png"));
 }

@@ -59,13 +59,15 @@ impl App {
         }
         let found = self.gallery.found.get_or_insert_with(|| read(ui.ctx()));
         let (mut open, mut chosen) = (true, None);
-        Window::new("Examples").open(&mut open).collapsible(false).default_width(700.0).show(ui.ctx(), |ui| {
+        let room = ui.ctx().content_rect();
+        let window = Window::new("Examples").open(&mut open).collapsible(false).default_width(700.0);
+        let window = window.pivot(Align2::CENTER_CENTER).default_pos(room.center());
+        window.default_height((room.height() - 100.0).max(80.0)).show(ui.ctx(), |ui| {
             if found.is_empty() {
                 ui.label("The folder graphs with the examples is not beside the program.");
             }
-            let room = ui.ctx().content_rect().size();
-            let columns = if room.x < 720.0 { 1 } else { 2 };
-            egui::ScrollArea::vertical().max_height((room.y - 140.0).max(80.0)).show(ui, |ui| {
+            let columns = if room.width() < 720.0 { 1 } else { 2 };
+            egui::ScrollArea::vertical().max_height((room.height() - 140.0).max(80.0)).show(ui, |ui| {
                 egui::Grid::new("examples").num_columns(columns).show(ui, |ui| {
                     for (i, (name, path, picture)) in found.iter().enumerate() {
                         ui.vertical(|ui| {

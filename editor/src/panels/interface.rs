@@ -104,7 +104,8 @@ fn input(ui: &mut Ui, model: &mut Model, name: &str, up: bool) {
             model.change_input(name, |i| i.unit = Some(unit).filter(|u| !u.is_empty()));
         }
         let doc = now.doc.as_deref().unwrap_or_default();
-        if let Some(doc) = field(ui, &format!("doc of {name}"), doc, "what it means", 190.0) {
+        let width = (ui.available_width() - 16.0).max(120.0);
+        if let Some(doc) = field(ui, &format!("doc of {name}"), doc, "what it means", width) {
             model.change_input(name, |i| i.doc = Some(doc).filter(|d| !d.is_empty()));
         }
     });
