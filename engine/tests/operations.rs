@@ -131,12 +131,13 @@ fn any_operation() -> impl Strategy<Value = Operation> {
         1 => id().prop_map(|node| O::SetState { node, state: NodeState::Disabled }),
         1 => (id(), text()).prop_map(|(node, note)| O::SetNote { node, note }),
     ];
-    let tables = prop_oneof![Just(Table::Requires), Just(Table::Groups), Just(Table::Interface), Just(Table::Top)];
+    let tables = [Table::Requires, Table::Groups, Table::Interface, Table::Top, Table::Layout];
+    let tables = proptest::sample::select(tables.to_vec());
     let whole = prop_oneof![
         ("[gh]", proptest::option::of(vec(id(), 0..3))).prop_map(|(name, nodes)| O::SetGroup { name, nodes }),
         ("[ij]", vec(address(), 0..3), any::<bool>()).prop_map(|(name, ports, some)| {
             let mut input = InterfaceInput::default();
-            (input.ports, input.max) = (ports, Some(2.5));
+            (input.ports, input.max, input.step) = (ports, Some(2.5), Some(0.25));
             O::SetInput { name, input: some.then_some(input) }
         }),
         ("[op]", prop_oneof![address(), Just("nowhere".to_owned())]).prop_map(|(name, port)| {
@@ -424,6 +425,47 @@ fn refusals_say_what_is_wrong() {
         apply(&mut d, deep(json!([most]))),
         Err("error[too-deep]: the file would nest deeper than 100 levels".into())
     );
+}
+
+#[test]
+fn the_step_of_an_input_is_read_written_and_above_0() {
+    let text = r#"{"format": "tenon", "nodes": {"a": {"type": "number"}},
+        "interface": {"inputs": {"height": {"port": "a.value", "min": 1, "step": 0.5}}}}"#;
+    let mut d = read(text);
+    let input = d.inputs["height"].clone();
+    assert_eq!(input.step, Some(0.5));
+    let set = |step| {
+        let mut input = input.clone();
+        input.step = step;
+        Operation::SetInput { name: "height".into(), input: Some(input) }
+    };
+    for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let refused = apply(&mut d, set(Some(wrong)));
+        assert_eq!(refused, Err("error[bad-range]: the step of input \"height\" is not above 0".into()));
+    }
+    apply(&mut d, set(Some(2.0))).expect("it is above 0");
+    assert_eq!(read(&d.to_string_canonical()).inputs["height"].step, Some(2.0));
+}
+
+#[test]
+fn what_views_keep_in_the_layout_file_comes_back_and_is_of_the_whole_graph_only() {
+    let text = r#"{"format": "tenon", "nodes": {"a": {"type": "number"}}, "clusters": {"c": {"nodes": {}}}}"#;
+    let mut d = read(text);
+    let (graph, plain) = (d.to_string_canonical(), d.layout_to_string());
+    let set = |key: &str, value| Operation::SetEntry { table: Table::Layout, key: key.into(), value };
+    let behind = json!([{ "file": "plan.png", "at": [1.5, 0.0, 2.0] }]);
+    let back = apply(&mut d, set("references", Some(behind.clone()))).expect("a key of its own");
+    assert_eq!(d.layout_entry("references"), Some(&behind));
+    assert_eq!(d.to_string_canonical(), graph, "the graph's own file says nothing of it");
+    let mut again = read(text);
+    again.read_layout(d.layout_to_string().as_bytes()).expect("it is a layout");
+    assert_eq!(again.layout_entry("references"), Some(&behind));
+    assert_eq!(again.layout_to_string(), d.layout_to_string());
+    let refused = apply(&mut d, set("positions", Some(behind.clone())));
+    assert!(refused.is_err_and(|e| e.contains("reserved-key")));
+    assert!(apply(&mut d, set("references", Some(behind)).inside("c")).is_err());
+    apply(&mut d, back).expect("back");
+    assert_eq!(d.layout_to_string(), plain);
 }
 
 #[test]

@@ -80,12 +80,13 @@ fn input(b: &mut Bytes<'_>) -> InterfaceInput {
     let ends = [None, Some(0.0), Some(-0.0), Some(f64::NAN), Some(f64::INFINITY), Some(1e300)];
     let mut input = InterfaceInput::default();
     (input.ports, input.min, input.max) = (ports, *b.of(&ends), *b.of(&ends));
+    input.step = *b.of(&ends);
     input
 }
 
 fn operation(b: &mut Bytes<'_>, document: &Document, depth: usize) -> Operation {
     use Operation as O;
-    let tables = [Table::Requires, Table::Groups, Table::Interface, Table::Top];
+    let tables = [Table::Requires, Table::Groups, Table::Interface, Table::Top, Table::Layout];
     let maybe = b.below(4) > 0;
     match b.below(20) {
         0 => O::AddNode { id: name(b, &IDS), node: node(b, document) },

@@ -114,6 +114,7 @@ pub(crate) fn input_text(input: &InterfaceInput, depth: usize) -> String {
     put("unit", input.unit.clone().map(Json::from));
     put("min", input.min.map(Json::from));
     put("max", input.max.map(Json::from));
+    put("step", input.step.map(Json::from));
     put("doc", input.doc.clone().map(Json::from));
     put("order", input.order.map(Json::from));
     map_text(&map, depth)

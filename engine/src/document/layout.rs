@@ -25,14 +25,19 @@ pub struct Look {
     pub open: bool,
 }
 
-/// Positions and looks of nodes.
+/// Positions and looks of nodes, and what views keep beside them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Layout {
     /// By id; only of nodes that the document has.
     pub positions: Positions,
     /// By id; only of nodes that the document has, and none that is the default.
     pub looks: Looks,
+    /// What views keep besides, by key; of the whole graph only.
+    pub extra: BTreeMap<String, Json>,
 }
+
+/// Keys of the file that have a meaning here, in order.
+pub(crate) const LAYOUT_KEYS: &[&str] = &["clusters", "format", "looks", "looks_inside", "positions", "version"];
 
 impl Document {
     /// Where a node stands: x to the right and y down, in points of the canvas.
@@ -47,41 +52,46 @@ impl Document {
         self.layout.looks.get(node).copied().unwrap_or_default()
     }
 
-    /// The text of the layout file: nodes by id, one per line, those of clusters apart. O(n).
+    /// What a view keeps in the layout file under a key of its own ([`Table::Layout`](super::Table::Layout)).
+    #[must_use]
+    pub fn layout_entry(&self, key: &str) -> Option<&Json> {
+        self.layout.extra.get(key)
+    }
+
+    /// The text of the layout file: nodes by id, one per line, those of clusters apart; keys in order. O(n).
     #[must_use]
     pub fn layout_to_string(&self) -> String {
-        let mut text = String::from("{\n");
-        let mut first = true;
+        let mut positions = String::new();
+        write_positions(&mut positions, &self.layout.positions, 2);
+        let mut keys: BTreeMap<&str, String> = BTreeMap::new();
+        keys.insert("format", "\"tenon-layout\"".into());
+        keys.insert("positions", positions);
+        keys.insert("version", "1".into());
+        keys.extend(self.looks_texts());
+        let mut clusters = String::new();
         for (name, body) in self.bodies().filter(|(_, body)| !body.layout.positions.is_empty()) {
-            let before = if first { "  \"clusters\": {\n    " } else { ",\n    " };
-            let _ = write!(text, "{before}{}: ", Json::from(name));
-            write_positions(&mut text, &body.layout.positions, 4);
-            first = false;
+            let before = if clusters.is_empty() { "{\n    " } else { ",\n    " };
+            let _ = write!(clusters, "{before}{}: ", Json::from(name));
+            write_positions(&mut clusters, &body.layout.positions, 4);
         }
-        if !first {
-            text.push_str("\n  },\n");
+        if !clusters.is_empty() {
+            keys.insert("clusters", clusters + "\n  }");
         }
-        text.push_str("  \"format\": \"tenon-layout\",\n");
-        self.write_looks(&mut text);
-        text.push_str("  \"positions\": ");
-        write_positions(&mut text, &self.layout.positions, 2);
-        text.push_str(",\n  \"version\": 1\n}\n");
-        text
+        keys.extend(self.layout.extra.iter().map(|(key, value)| (key.as_str(), json_text(value))));
+        let lines: Vec<String> = keys.iter().map(|(key, text)| format!("  {}: {text}", Json::from(*key))).collect();
+        format!("{{\n{}\n}}\n", lines.join(",\n"))
     }
 
     /// Ids by what is said of them, those of clusters apart; nothing if nothing is said.
-    fn write_looks(&self, text: &mut String) {
+    fn looks_texts(&self) -> Vec<(&'static str, String)> {
         let inside: Json = self
             .bodies()
             .filter(|(_, body)| !body.layout.looks.is_empty())
             .map(|(name, body)| (name.to_owned(), looks_json(&body.layout.looks)))
             .collect();
-        let own = looks_json(&self.layout.looks);
-        for (key, value) in [("looks", own), ("looks_inside", inside)] {
-            if value.as_object().is_some_and(|o| !o.is_empty()) {
-                let _ = writeln!(text, "  \"{key}\": {},", json_text(&value));
-            }
-        }
+        let all = [("looks", looks_json(&self.layout.looks)), ("looks_inside", inside)];
+        let said = |(_, value): &(&str, Json)| value.as_object().is_some_and(|o| !o.is_empty());
+        all.into_iter().filter(said).map(|(key, value)| (key, json_text(&value))).collect()
     }
 
     /// The clusters that stand in this file.
@@ -92,7 +102,7 @@ impl Document {
         })
     }
 
-    /// Takes positions from a layout file in place of all there were. Nodes that the document does not have are left out: the
+    /// Takes what a layout file says in place of all there was. Nodes that the document does not have are left out: the
     /// graph file may have been edited since.
     ///
     /// # Errors
@@ -108,7 +118,9 @@ impl Document {
         let said = |positions: &str, looks: &str, name: &str| {
             [positions, looks].map(|key| file.get(key).and_then(Json::as_object)?.get(name))
         };
-        let own = self.known(file.get("positions"), file.get("looks"))?;
+        let mut own = self.known(file.get("positions"), file.get("looks"))?;
+        let extra = file.iter().filter(|(key, _)| !LAYOUT_KEYS.contains(&key.as_str()));
+        own.extra = extra.map(|(key, value)| (key.clone(), value.clone())).collect();
         let inside: Vec<(String, Layout)> = self
             .bodies()
             .map(|(name, body)| {
@@ -127,7 +139,8 @@ impl Document {
 
     /// What is said of nodes that there are.
     fn known(&self, positions: Option<&Json>, looks: Option<&Json>) -> Result<Layout, Diagnostic> {
-        Ok(Layout { positions: self.known_positions(positions)?, looks: self.known_looks(looks) })
+        let (positions, looks) = (self.known_positions(positions)?, self.known_looks(looks));
+        Ok(Layout { positions, looks, extra: BTreeMap::new() })
     }
 
     /// The looks of nodes that there are. What is not understood is left out: it is only looks.

@@ -388,10 +388,11 @@ impl<'a> Loader<'a> {
                 };
                 let unit = self.text(&mut map, "unit", &what);
                 let (min, max) = (self.number(&mut map, "min", &what), self.number(&mut map, "max", &what));
+                let step = self.number(&mut map, "step", &what);
                 let doc = self.text(&mut map, "doc", &what);
                 let order = self.whole(&mut map, "order", &what);
                 let extra = self.rest(map);
-                document.inputs.insert(name, InterfaceInput { ports, unit, min, max, doc, order, extra });
+                document.inputs.insert(name, InterfaceInput { ports, unit, min, max, step, doc, order, extra });
             }
         }
         if let Some(raw) = map.remove("outputs") {

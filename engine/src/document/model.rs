@@ -49,6 +49,8 @@ pub struct InterfaceInput {
     pub min: Option<f64>,
     /// Largest number accepted.
     pub max: Option<f64>,
+    /// By how much people slide it, above 0: from `min` on, if there is one.
+    pub step: Option<f64>,
     /// What it means.
     pub doc: Option<String>,
     /// Its place among the others, the smallest first; those that say none follow by name.

@@ -3,7 +3,7 @@
 
 use super::super::fields::Name;
 use super::super::format::node_text;
-use super::super::layout::Look;
+use super::super::layout::{LAYOUT_KEYS, Look};
 use super::super::literal::Literal;
 use super::super::load::{DEPTH_LIMIT, check_foreign, read_node};
 use super::super::model::WiresMore;
@@ -356,6 +356,10 @@ impl Edit<'_> {
             Table::Top if self.above > 0 => CLUSTER_KEYS,
             Table::Top => &["format", "version", "units", "requires", "groups", "clusters", "x", "interface", "nodes"],
             Table::Interface => &["inputs", "outputs"],
+            Table::Layout if self.above > 0 => {
+                return refuse("reserved-key", "the layout file keeps nothing else of clusters".to_owned());
+            }
+            Table::Layout => LAYOUT_KEYS,
             Table::Requires | Table::Groups => &[],
         };
         if reserved.contains(&key) {
@@ -375,6 +379,7 @@ impl Edit<'_> {
             Table::Groups => &mut self.document.groups,
             Table::Interface => &mut self.document.interface_extra,
             Table::Top => &mut self.document.extra,
+            Table::Layout => &mut self.document.layout.extra,
         };
         let value = put(map, key, value);
         self.undo.push(Operation::SetEntry { table, key: key.into(), value });
@@ -420,6 +425,9 @@ pub(super) fn check_input(name: &str, input: &InterfaceInput) -> Result<(), Diag
     input.ports.iter().try_for_each(|p| check_address(p))?;
     if [input.min, input.max].into_iter().flatten().any(|v| !v.is_finite()) {
         return refuse("bad-range", format!("the range of input \"{name}\" is not finite"));
+    }
+    if input.step.is_some_and(|v| !(v.is_finite() && v > 0.0)) {
+        return refuse("bad-range", format!("the step of input \"{name}\" is not above 0"));
     }
     Ok(())
 }

@@ -70,6 +70,7 @@ impl Document {
             (Table::Groups, &self.groups, &other.groups),
             (Table::Interface, &self.interface_extra, &other.interface_extra),
             (Table::Top, &self.extra, &other.extra),
+            (Table::Layout, &self.layout.extra, &other.layout.extra),
         ];
         for (table, a, b) in tables {
             for (key, _, value) in changed(a, b, same_json) {

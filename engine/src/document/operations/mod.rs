@@ -177,7 +177,7 @@ pub enum Operation {
     All(Vec<Operation>),
 }
 
-/// Tables of the file whose values are kept as they are.
+/// Tables of the files whose values are kept as they are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Table {
     /// `requires`: plugins.
@@ -188,6 +188,8 @@ pub enum Table {
     Interface,
     /// Unknown keys at the top of the file.
     Top,
+    /// Keys of the layout file that views keep there, of the whole graph.
+    Layout,
 }
 
 impl Operation {
