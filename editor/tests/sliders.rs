@@ -95,6 +95,7 @@ fn the_interface_is_made_by_hand_and_taken_back() {
     w.fill("name of input y", "height");
     w.fill("min of height", "-5");
     w.fill("max of height", "40");
+    w.fill("step of height", "2.5");
     w.fill("unit of height", "cm");
     w.fill("doc of height", "How high the point stands.");
     w.fill("name of output point", "corner");
@@ -104,6 +105,17 @@ fn the_interface_is_made_by_hand_and_taken_back() {
     assert_eq!(input.doc.as_deref(), Some("How high the point stands."));
     assert!(w.app().model.document().outputs.contains_key("corner"));
     assert_eq!(slider(&w, "p"), Some((0.0, -5.0, 40.0)), "its ends make a slider of it");
+    // It slides by its step from the smallest value on, here and on the canvas.
+    w.app().model.begin();
+    let row = w.rect("input p.y");
+    w.drag(row.center(), row.center() + vec2(row.width() * 0.13, 0.0));
+    let slid: f64 = w.param("p", "y").parse().unwrap();
+    assert!(slid != 0.0 && (slid + 5.0) % 2.5 == 0.0, "{slid}");
+    w.app().model.abort();
+    assert_eq!(w.param("p", "y"), "");
+    w.fill("step of height", "0");
+    assert!(w.app().model.message.is_some(), "nothing slides by 0");
+    assert_eq!(w.app().model.document().inputs["height"].step, Some(2.5));
     // The last goes up, and the file says so.
     w.tap("input z one up");
     let order: Vec<&str> = w.harness.state().model.document().inputs_in_order().into_iter().map(|(n, _)| n).collect();

@@ -111,6 +111,7 @@ pub fn at(node: &Node, port: &PortInfo, bound: Option<&InterfaceInput>) -> PortI
         let (low, high) = port.range.unzip();
         port.chosen |= bound.min.is_some() && bound.max.is_some();
         port.range = bound.min.or(low).zip(bound.max.or(high));
+        port.step = bound.step.unwrap_or(port.step);
         if let Some(unit) = bound.unit.as_ref().filter(|_| port.unit.is_empty()) {
             port.unit.clone_from(unit);
         }

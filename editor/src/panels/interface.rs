@@ -92,12 +92,15 @@ fn input(ui: &mut Ui, model: &mut Model, name: &str, up: bool) {
             }
             number.map(Some)
         };
-        let (min, max) = (set(ui, "min", now.min), set(ui, "max", now.max));
+        let (min, max, step) = (set(ui, "min", now.min), set(ui, "max", now.max), set(ui, "step", now.step));
         if let Some(min) = min {
             model.change_input(name, |i| i.min = min);
         }
         if let Some(max) = max {
             model.change_input(name, |i| i.max = max);
+        }
+        if let Some(step) = step {
+            model.change_input(name, |i| i.step = step);
         }
         let unit = now.unit.as_deref().unwrap_or_default();
         if let Some(unit) = field(ui, &format!("unit of {name}"), unit, "unit", 40.0) {
