@@ -277,7 +277,9 @@ fn the_picture_of_the_viewport_and_the_piece_list_leave_the_window() {
     assert!(lines[1..].windows(2).all(|l| area(l[0]) <= area(l[1])), "as it is sorted");
     let file = folder("saved").join("view.png");
     w.app().viewport.picture_size = [64, 48];
-    w.app().viewport.picture_to(&file).unwrap();
+    let ctx = w.harness.ctx.clone();
+    w.app().viewport.save_picture(&ctx, &file).unwrap();
+    w.settle();
     assert_eq!(image::open(&file).unwrap().to_rgba8().dimensions(), (64, 48));
     assert!(w.harness.query_by_label("sort by time").is_some());
 }

@@ -3,7 +3,7 @@
 
 use crate::common::{Window, example, folder, graph};
 use eframe::egui::{Key, Modifiers, vec2};
-use tenon_editor::viewport::{Clip, Measure};
+use tenon_editor::viewport::{Clip, Measure, references};
 
 /// Pixels of the picture that are more green than anything else.
 fn green(picture: &image::RgbaImage) -> usize {
@@ -32,7 +32,9 @@ fn the_shell_is_cut_open_measured_and_drawn_at_any_size() {
     assert!(differ < 2400, "{differ} of 120000 pixels differ");
     let file = folder("picture").join("shell.png");
     w.app().viewport.picture_size = [320, 200];
-    w.app().viewport.picture_to(&file).unwrap();
+    let ctx = w.harness.ctx.clone();
+    w.app().viewport.save_picture(&ctx, &file).unwrap();
+    w.settle();
     assert_eq!(image::open(&file).unwrap().to_rgba8().dimensions(), (320, 200));
 
     // Half of it is cut away, and what is cut away is not picked.
@@ -90,34 +92,102 @@ fn pictures_and_meshes_stand_behind_the_model() {
     let picture = dir.join("plan.png");
     image::RgbImage::from_fn(60, 40, |x, _| image::Rgb([if x < 30 { 250 } else { 0 }, 20, 20])).save(&picture).unwrap();
     w.drop_file(&picture);
-    assert_eq!(w.app().viewport.references.len(), 1, "{:?}", w.app().model.message);
-    assert!(w.app().viewport.references[0].picture.is_some());
-    let (area, bounds) = (w.rect("viewport"), w.app().viewport.references[0].drawing.bounds);
-    w.app().viewport.camera.fit(area, bounds);
+    w.settle();
+    let bounds = |w: &Window, file: &str| {
+        let app = w.harness.state();
+        let all = app.viewport.references.boxes(&app.model);
+        all.into_iter().find(|(name, _)| name.ends_with(file)).unwrap().1
+    };
+    let (area, first) = (w.rect("viewport"), bounds(&w, "plan.png"));
+    assert_eq!([first[0].x, first[1].x], [0.0, 5000.0]);
+    w.app().viewport.camera.fit(area, first);
     w.steps(2);
-    let seen = w.app().viewport.picture([300, 200]).unwrap();
-    let red = seen.pixels().filter(|p| p[0] > 150 && p[1] < 60).count();
-    assert!(red > 2000, "{red} pixels are red");
-    // It is placed and scaled by numbers.
-    let r = &mut w.app().viewport.references[0];
-    (r.at.x, r.scale) = (20_000.0, 500.0);
-    r.place();
-    let moved = r.drawing.bounds;
-    assert_eq!([moved[0].x, moved[1].x], [20_000.0, 20_500.0]);
+    let red = |w: &mut Window| {
+        let seen = w.app().viewport.picture([300, 200]).unwrap();
+        seen.pixels().filter(|p| p[0] > 150 && p[1] < 60).count()
+    };
+    assert!(red(&mut w) > 2000, "{} pixels are red", red(&mut w));
+    // A plane that cuts the view open cuts it too, where it stands.
+    let whole = red(&mut w);
+    w.app().viewport.clip = Some(Clip::square_to(0, 1250.0));
     w.steps(2);
-    let seen = w.app().viewport.picture([300, 200]).unwrap();
-    assert_eq!(seen.pixels().filter(|p| p[0] > 150 && p[1] < 60).count(), 0, "it lies elsewhere");
-    // A mesh is another; both are listed under More.
-    let mesh = dir.join("rock.obj");
-    std::fs::write(&mesh, "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nf 1 2 3 4\n").unwrap();
-    w.app().viewport.refer_to(&mesh).unwrap();
+    let cut = red(&mut w);
+    assert!(cut * 3 > whole && cut * 3 < whole * 2, "half of {whole} red pixels are cut away, {cut} are left");
+    w.app().viewport.clip = None;
+    // It is moved by mouse and scaled by typing, each as one step.
     w.click(w.rect("More").center());
-    assert!(w.has("plan.png") && w.has("rock.obj"));
+    let x = w.rect("x of plan.png").center();
+    w.drag(x, x + vec2(80.0, 0.0));
+    let moved = bounds(&w, "plan.png");
+    assert!(moved[0].x > 500.0 && moved[0].y == 0.0, "{moved:?}");
+    assert_eq!(w.app().model.steps().0, 2, "it came, and was moved");
+    w.click(w.rect("width of plan.png").center());
+    w.key(Modifiers::COMMAND, Key::A);
+    w.type_text("500");
+    w.key(Modifiers::NONE, Key::Enter);
+    let scaled = bounds(&w, "plan.png");
+    assert!((scaled[1].x - scaled[0].x - 500.0).abs() < 1e-9, "{scaled:?}");
     w.picture("references");
     w.key(Modifiers::NONE, Key::Escape);
+    w.key(Modifiers::COMMAND, Key::Z);
+    w.key(Modifiers::COMMAND, Key::Z);
+    assert_eq!(bounds(&w, "plan.png"), first);
+    // A mesh is another.
+    let mesh = dir.join("rock.obj");
+    std::fs::write(&mesh, "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nf 1 2 3 4\n").unwrap();
+    choose_reference(&mut w, &mesh);
+    assert_eq!(bounds(&w, "rock.obj")[1].x, 9.0);
     std::fs::write(dir.join("bad.png"), "no picture").unwrap();
     w.drop_file(&dir.join("bad.png"));
+    w.settle();
     assert!(w.app().model.message.as_ref().unwrap().message.contains("bad.png"));
+    assert_eq!(references(&w.app().model).len(), 2, "what cannot be shown is not kept");
+}
+
+/// Takes a file behind the model by the menu.
+fn choose_reference(w: &mut Window, path: &std::path::Path) {
+    w.click(w.rect("File").center());
+    w.click(w.rect("Show a mesh or picture behind …").center());
+    w.type_text(&path.to_string_lossy());
+    w.key(Modifiers::NONE, Key::Enter);
+    w.settle();
+}
+
+#[test]
+fn what_stands_behind_the_model_is_kept_with_the_graph_and_told_if_its_file_is_missing() {
+    let text = r#"{ "format": "tenon", "version": 1, "nodes": { "n": { "type": "number", "v": 1 } } }"#;
+    let path = graph("kept-behind", text);
+    let photo = path.with_file_name("photo.jpg");
+    image::RgbImage::from_pixel(80, 40, image::Rgb([200, 30, 30])).save(&photo).unwrap();
+    let mut w = Window::open(Some(&path));
+    choose_reference(&mut w, &photo);
+    assert!(w.app().model.unsaved(), "{:?}", w.app().model.message);
+    w.click(w.rect("More").center());
+    let y = w.rect("y of photo.jpg").center();
+    w.drag(y, y + vec2(-60.0, 0.0));
+    w.key(Modifiers::NONE, Key::Escape);
+    w.key(Modifiers::COMMAND, Key::S);
+    let kept = references(&w.app().model);
+    assert!(kept[0].file == "photo.jpg" && kept[0].at.y < -100.0, "{kept:?}");
+    let layout = std::fs::read_to_string(path.with_file_name("graph.layout.json")).unwrap();
+    assert!(layout.contains("photo.jpg"), "{layout}");
+    assert_eq!(w.text(), Window::open(Some(&path)).text(), "the graph's own file says nothing of it");
+
+    let mut again = Window::open(Some(&path));
+    assert_eq!(references(&again.app().model), kept);
+    assert!(!again.app().model.unsaved());
+    let app = again.harness.state();
+    assert_eq!(app.viewport.references.boxes(&app.model)[0].1[0].y, kept[0].at.y);
+
+    std::fs::remove_file(&photo).unwrap();
+    let mut without = Window::open(Some(&path));
+    let told = without.app().model.message.clone().unwrap().message;
+    assert!(told.contains("photo.jpg") && told.contains("cannot be shown"), "{told}");
+    assert_eq!(references(&without.app().model), kept, "its place is kept all the same");
+    without.click(without.rect("More").center());
+    assert!(without.has_containing("No such file") || without.has_containing("cannot find"));
+    without.click(without.rect("take away photo.jpg").center());
+    assert!(references(&without.app().model).is_empty());
 }
 
 #[test]

@@ -160,7 +160,7 @@ impl App {
         match ending.as_str() {
             e if e == std::env::consts::DLL_EXTENSION => self.load_plugin(path),
             "obj" => self.read_mesh(path),
-            e if crate::viewport::PICTURES.contains(&e) => self.model.message = self.viewport.refer_to(path).err(),
+            e if crate::viewport::PICTURES.contains(&e) => self.viewport.refer_to(&self.model, path),
             _ => self.leave(ui, Leave::Open(path.to_owned())),
         }
     }
@@ -191,8 +191,8 @@ impl App {
                 self.model.edit(Operation::SetParam { node, port, value });
             }
             Browse::Plugin => self.load_plugin(path),
-            Browse::Reference => self.model.message = self.viewport.refer_to(path).err(),
-            Browse::Picture => self.model.message = self.viewport.picture_to(path).err(),
+            Browse::Reference => self.viewport.refer_to(&self.model, path),
+            Browse::Picture => self.model.message = self.viewport.save_picture(ui.ctx(), path).err(),
             Browse::Export => match self.model.export(path) {
                 Ok(said) => self.said = Some(said),
                 Err(e) => self.model.message = Some(e),
@@ -216,6 +216,9 @@ impl App {
             self.browse(ui.ctx(), what);
         }
         self.answered(ui);
+        if let Some(said) = self.viewport.follow(ui.ctx(), &mut self.model) {
+            self.said = Some(said);
+        }
         if let Some(mut browser) = self.browser.take() {
             match browser.show(ui) {
                 panels::Chosen::Nothing => self.browser = Some(browser),

@@ -56,7 +56,7 @@ impl Browse {
         match self {
             Self::Open | Self::Save => &[ENDING],
             Self::Plugin => &[".so", ".dll", ".dylib"],
-            Self::Reference => &[".obj", ".png"],
+            Self::Reference => &[".obj", ".png", ".jpg", ".jpeg"],
             Self::Picture => &[".png"],
             Self::Input { .. } | Self::Export => &[],
         }
@@ -133,7 +133,8 @@ impl Browser {
                 for entry in entries.flatten() {
                     let (name, path) = (entry.file_name().to_string_lossy().into_owned(), entry.path());
                     let is_folder = path.is_dir();
-                    let fits = endings.is_empty() || endings.iter().any(|e| name.ends_with(e));
+                    let plain = name.to_lowercase();
+                    let fits = endings.is_empty() || endings.iter().any(|e| plain.ends_with(e));
                     if !name.starts_with('.') && (is_folder || (fits && self.what != Browse::Export)) {
                         self.entries.push((name, is_folder));
                     }

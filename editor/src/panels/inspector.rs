@@ -77,7 +77,7 @@ fn held() -> Id {
 }
 
 /// Everything between taking a widget and letting it go is one step.
-pub(super) fn step_around(ui: &Ui, model: &mut Model, response: &egui::Response) {
+pub(crate) fn step_around(ui: &Ui, model: &mut Model, response: &egui::Response) {
     let now = ui.data(|d| d.get_temp::<Id>(held()));
     if (response.drag_started() || response.gained_focus()) && now.is_none() {
         ui.data_mut(|d| d.insert_temp(held(), response.id));

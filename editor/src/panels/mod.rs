@@ -14,4 +14,5 @@ pub mod table;
 pub use browser::{Browse, Browser, Chosen};
 pub use help::help;
 pub use inspector::inspector;
+pub(crate) use inspector::step_around;
 pub use lower::{Lower, Tab, Went};

@@ -51,6 +51,8 @@ pub struct Shown {
     pub coloured_lines: bool,
     /// It is cut by the frame's plane.
     pub clipped: bool,
+    /// From the drawing's coordinates to the model's: turned, moved, and scaled alike in all directions.
+    pub place: glam::DMat4,
     /// What is seen on its faces, whose parts are corners then: 0 to 3 from the picture's first row, left to right.
     pub picture: Option<Arc<Picture>>,
 }
@@ -85,9 +87,11 @@ pub struct Frame {
 struct Buffers {
     digest: u128,
     colours: Arc<Vec<u32>>,
+    colour_buffer: wgpu::Buffer,
     triangles: Vec<(wgpu::Buffer, u32)>,
     lines: Vec<(wgpu::Buffer, u32)>,
     points: Vec<(wgpu::Buffer, u32)>,
+    /// How it is seen in the window; a picture has uniforms of its own.
     uniforms: wgpu::Buffer,
     group: wgpu::BindGroup,
     photo: Option<wgpu::BindGroup>,
@@ -313,6 +317,17 @@ impl Pipelines {
         })
     }
 
+    fn group(&self, device: &wgpu::Device, uniforms: &wgpu::Buffer, colours: &wgpu::Buffer) -> wgpu::BindGroup {
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &self.layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() },
+                wgpu::BindGroupEntry { binding: 1, resource: colours.as_entire_binding() },
+            ],
+        })
+    }
+
     fn buffers(&self, device: &wgpu::Device, queue: &wgpu::Queue, shown: &Shown) -> Buffers {
         let make = |bytes: &[u8], usage| {
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents: bytes, usage })
@@ -325,18 +340,12 @@ impl Pipelines {
         let none = [0_u32];
         let colours: &[u32] = if shown.colours.is_empty() { &none } else { &shown.colours };
         // The last colour counts for all parts beyond it, so one zero is enough for none.
-        let colours = make(bytemuck::cast_slice(colours), wgpu::BufferUsages::STORAGE);
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &self.layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() },
-                wgpu::BindGroupEntry { binding: 1, resource: colours.as_entire_binding() },
-            ],
-        });
+        let colour_buffer = make(bytemuck::cast_slice(colours), wgpu::BufferUsages::STORAGE);
+        let group = self.group(device, &uniforms, &colour_buffer);
         Buffers {
             digest: d.digest,
             colours: shown.colours.clone(),
+            colour_buffer,
             triangles: chunks(bytemuck::cast_slice(&d.triangles), size_of::<Vertex>()),
             lines: chunks(bytemuck::cast_slice(&d.lines), size_of::<Line>()),
             points: chunks(bytemuck::cast_slice(&d.points), 12),
@@ -360,6 +369,7 @@ impl Shown {
             open: false,
             coloured_lines: false,
             clipped: false,
+            place: glam::DMat4::IDENTITY,
             picture: None,
         }
     }
@@ -380,15 +390,21 @@ impl Frame {
     }
 
     fn uniforms(&self, shown: &Shown, size: [u32; 2], scale: f32) -> Uniforms {
-        let [x, y, z] = self.eye.as_vec3().to_array();
+        // The eye and the plane as the drawing's own coordinates have them.
+        let back = glam::DMat3::from_mat4(shown.place).transpose();
+        let [x, y, z] = (back * self.eye).normalize_or_zero().as_vec3().to_array();
+        let [nx, ny, nz, off] = self.clip.map(f64::from);
+        let normal = glam::DVec3::new(nx, ny, nz);
+        let [cx, cy, cz] = (back * normal).as_vec3().to_array();
+        let clip = [cx, cy, cz, (off + normal.dot(shown.place.w_axis.truncate())) as f32];
         let four = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
         Uniforms {
-            matrix: self.matrix.as_mat4().to_cols_array_2d(),
+            matrix: (self.matrix * shown.place).as_mat4().to_cols_array_2d(),
             face: four(shown.face),
             line: [shown.line[0], shown.line[1], shown.line[2], if shown.coloured_lines { 0.0 } else { 1.0 }],
             eye: [x, y, z, if shown.open { 1.0 } else { 0.0 }],
             pixels: [size[0] as f32, size[1] as f32, shown.width[0] * scale, shown.width[1] * scale],
-            clip: if shown.clipped { self.clip } else { [0.0; 4] },
+            clip: if shown.clipped { clip } else { [0.0; 4] },
         }
     }
 }
@@ -408,9 +424,15 @@ impl CallbackTrait for Frame {
         if r.target.as_ref().is_none_or(|t| t.size != size) {
             r.target = Some(r.pipelines.target(device, size));
         }
-        self.bring(device, queue, size, screen.pixels_per_point, r);
+        r.buffers.retain(|key, _| self.shown.iter().any(|s| s.key == *key));
+        self.bring(device, queue, r);
+        for (shown, b) in self.shown.iter().filter_map(|s| Some((s, r.buffers.get(&s.key)?))) {
+            let uniforms = self.uniforms(shown, size, screen.pixels_per_point);
+            queue.write_buffer(&b.uniforms, 0, bytemuck::bytes_of(&uniforms));
+        }
         if let Some(target) = &r.target {
-            self.draw(encoder, target, r);
+            let all = self.shown.iter().filter_map(|s| r.buffers.get(&s.key));
+            self.draw(encoder, target, &r.pipelines, all.map(|b| (b, &b.group)));
         }
         Vec::new()
     }
@@ -430,9 +452,8 @@ impl CallbackTrait for Frame {
 }
 
 impl Frame {
-    /// Brings buffers and uniforms up to what is to be drawn.
-    fn bring(&self, device: &wgpu::Device, queue: &wgpu::Queue, size: [u32; 2], scale: f32, r: &mut Resources) {
-        r.buffers.retain(|key, _| self.shown.iter().any(|s| s.key == *key));
+    /// Brings buffers up to what is to be drawn.
+    fn bring(&self, device: &wgpu::Device, queue: &wgpu::Queue, r: &mut Resources) {
         for shown in &self.shown {
             let fresh = r.buffers.get(&shown.key).is_some_and(|b| {
                 b.digest == shown.drawing.digest
@@ -441,15 +462,17 @@ impl Frame {
             if !fresh {
                 r.buffers.insert(shown.key.clone(), r.pipelines.buffers(device, queue, shown));
             }
-            if let Some(b) = r.buffers.get(&shown.key) {
-                let uniforms = self.uniforms(shown, size, scale);
-                queue.write_buffer(&b.uniforms, 0, bytemuck::bytes_of(&uniforms));
-            }
         }
     }
 
-    /// Draws into a target.
-    fn draw(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, r: &Resources) {
+    /// Draws into a target: buffers, each with how it is seen.
+    fn draw<'a>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &Target,
+        pipelines: &Pipelines,
+        all: impl Iterator<Item = (&'a Buffers, &'a wgpu::BindGroup)>,
+    ) {
         let [red, green, blue] = self.ground.map(f64::from);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("viewport"),
@@ -469,20 +492,20 @@ impl Frame {
             }),
             ..Default::default()
         });
-        for b in self.shown.iter().filter_map(|s| r.buffers.get(&s.key)) {
-            pass.set_bind_group(0, &b.group, &[]);
+        for (b, group) in all {
+            pass.set_bind_group(0, group, &[]);
             match &b.photo {
                 Some(photo) => {
-                    pass.set_pipeline(&r.pipelines.photos);
+                    pass.set_pipeline(&pipelines.photos);
                     pass.set_bind_group(1, photo, &[]);
                 }
-                None => pass.set_pipeline(&r.pipelines.faces),
+                None => pass.set_pipeline(&pipelines.faces),
             }
             for (buffer, count) in &b.triangles {
                 pass.set_vertex_buffer(0, buffer.slice(..));
                 pass.draw(0..*count, 0..1);
             }
-            for (pipeline, all) in [(&r.pipelines.lines, &b.lines), (&r.pipelines.points, &b.points)] {
+            for (pipeline, all) in [(&pipelines.lines, &b.lines), (&pipelines.points, &b.points)] {
                 pass.set_pipeline(pipeline);
                 for (buffer, count) in all {
                     pass.set_vertex_buffer(0, buffer.slice(..));

@@ -8,6 +8,7 @@ mod labels;
 mod paths;
 mod reference;
 mod ruler;
+mod save;
 mod section;
 mod tools;
 
@@ -16,7 +17,7 @@ pub use camera::{Camera, Standard};
 pub use gpu::install;
 pub(crate) use gpu::{Frame, Shown};
 pub use hand::{Drag, Hand};
-pub use reference::{PICTURES, Reference};
+pub use reference::{PICTURES, Reference, References, references};
 pub use ruler::Ruler;
 pub use section::Clip;
 
@@ -74,7 +75,7 @@ pub struct Viewport {
     pub rapid_moves: bool,
     paths: paths::Paths,
     /// What stands behind the model.
-    pub references: Vec<Reference>,
+    pub references: References,
     /// What a file is wanted for.
     pub wants: Option<Browse>,
     /// Size of saved pictures, pixels.
@@ -82,6 +83,7 @@ pub struct Viewport {
     /// The graphics card, and what was drawn last.
     card: Option<eframe::egui_wgpu::RenderState>,
     drawn: Option<Frame>,
+    saving: Option<save::Saving>,
 }
 
 pub(crate) fn rgb(colour: Color32) -> [f32; 3] {
@@ -139,6 +141,7 @@ impl Viewport {
             measure,
             card: self.card.take(),
             picture_size: self.picture_size,
+            saving: self.saving.take(),
             ..Self::default()
         };
     }
@@ -148,35 +151,6 @@ impl Viewport {
         self.card = Some(card.clone());
         self.picture_size = [1920, 1080];
         install(card)
-    }
-
-    /// A picture of what is seen, of any size.
-    ///
-    /// # Errors
-    /// If there is no card, nothing was drawn yet, or the card cannot make it.
-    pub fn picture(&self, size: [u32; 2]) -> Result<image::RgbaImage, String> {
-        let card = self.card.as_ref().ok_or("there are no graphics")?;
-        let drawn = self.drawn.as_ref().ok_or("nothing has been drawn yet")?;
-        let aspect = f64::from(size[0]) / f64::from(size[1].max(1));
-        let frame = Frame { matrix: self.camera.matrix(aspect), ..drawn.clone() };
-        let scale = (size[1] as f32 / drawn.size[1].max(1.0)).max(0.1);
-        let bytes = gpu::picture(card, &frame, size, scale)?;
-        image::RgbaImage::from_raw(size[0], size[1], bytes).ok_or_else(|| "the card gave too little".into())
-    }
-
-    /// Saves a picture of what is seen.
-    ///
-    /// # Errors
-    /// As [`Viewport::picture`], or if the file cannot be written.
-    pub fn picture_to(&self, path: &std::path::Path) -> Result<(), tenon_engine::Diagnostic> {
-        let wrong = |why: String| {
-            let message = format!("{} was not written: {why}", path.display());
-            tenon_engine::Diagnostic::error("unwritable", message)
-        };
-        let picture = self.picture(self.picture_size).map_err(wrong)?;
-        let mut bytes = std::io::Cursor::new(Vec::new());
-        picture.write_to(&mut bytes, image::ImageFormat::Png).map_err(|e| wrong(e.to_string()))?;
-        tenon_nodes::host::output::write_whole(path, bytes.get_ref()).map_err(|e| wrong(e.to_string()))
     }
 
     /// Shows everything, or what is selected, at the next frame.
@@ -213,17 +187,56 @@ impl Viewport {
         self.say_what_is_picked(ui, area, model);
         self.buttons(ui, area, model);
         self.legend(ui, area);
+        self.going_on(ui, area);
+    }
+
+    /// Says what is being read or written beside the window.
+    fn going_on(&self, ui: &mut Ui, area: Rect) {
+        let reading = self.references.coming().map(|file| format!("reading {file} …"));
+        let writing = self.saving.iter().map(|s| format!("writing {} …", s.path.display()));
+        let all: Vec<String> = reading.chain(writing).collect();
+        if all.is_empty() {
+            return;
+        }
+        let place = Rect::from_min_max(egui::pos2(area.left() + 8.0, area.top() + 64.0), area.max);
+        let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(place));
+        for words in all {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                ui.label(words);
+            });
+        }
+    }
+
+    /// Follows the graph in what stands behind the model, and tells what came of pictures that were saved. To be called at
+    /// every frame, whether the viewport is shown or not.
+    pub fn follow(&mut self, ctx: &egui::Context, model: &mut Model) -> Option<String> {
+        self.follow_references(ctx, model);
+        match self.saved()? {
+            Ok(said) => Some(said),
+            Err(why) => {
+                model.message = Some(why);
+                None
+            }
+        }
     }
 
     /// Whether nothing is on its way from other threads.
     #[must_use]
     pub fn settled(&self) -> bool {
-        self.paths.settled() && self.section.settled() && self.written.settled()
+        let made = self.paths.settled() && self.section.settled() && self.written.settled();
+        made && self.references.settled() && self.saving.is_none()
     }
 
     /// The addresses that are written on panels.
     pub fn written(&self) -> impl Iterator<Item = &str> {
         self.written.shown()
+    }
+
+    /// From where to where the colours go that are shown now.
+    #[must_use]
+    pub fn shown_range(&self) -> Option<[f64; 2]> {
+        self.measured.as_ref().map(|m| m.shown)
     }
 
     /// The legend, whose ends can be changed.
@@ -291,7 +304,8 @@ impl Viewport {
     /// Smallest and largest coordinates of all that is shown.
     fn bounds(&self, model: &Model) -> Option<[DVec3; 2]> {
         let all = model.results.drawings.values().map(|d| d.bounds);
-        all.chain(self.references.iter().map(|r| r.drawing.bounds)).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+        let behind = self.references.boxes(model).into_iter().map(|(_, bounds)| bounds);
+        all.chain(behind).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
     /// What is drawn first under the pointer: output, part and place. A curve or point near the pointer goes before the body
@@ -378,9 +392,11 @@ impl Viewport {
             clipped: true,
             ..Shown::plain(key, drawing, theme.faint, line)
         };
-        for r in &self.references {
-            let picture = r.picture.clone();
-            shown.push(Shown { picture, ..plain(format!("behind {}", r.name), r.drawing.clone(), theme.faint) });
+        for r in references(model) {
+            let Some(seen) = self.references.seen(&r.file) else { continue };
+            let (picture, place) = (seen.picture.clone(), r.place());
+            let behind = plain(format!("behind {}", r.file), seen.drawing.clone(), theme.faint);
+            shown.push(Shown { picture, place, ..behind });
         }
         if let Some(paths) = Some(()).filter(|()| self.tool_paths).and_then(|()| self.paths.of(ui.ctx(), model)) {
             let way = |key: &str, drawing, width| {

@@ -10,7 +10,7 @@ use eframe::egui::{self, DragValue, Rect, Ui};
 use glam::DVec3;
 
 impl Viewport {
-    pub(super) fn buttons(&mut self, ui: &mut Ui, area: Rect, model: &Model) {
+    pub(super) fn buttons(&mut self, ui: &mut Ui, area: Rect, model: &mut Model) {
         let place =
             Rect::from_min_max(area.min + egui::vec2(6.0, 6.0), egui::pos2(area.right() - 6.0, area.top() + 58.0));
         let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(place));
@@ -70,7 +70,7 @@ impl Viewport {
         });
     }
 
-    fn more(&mut self, ui: &mut Ui, model: &Model) {
+    fn more(&mut self, ui: &mut Ui, model: &mut Model) {
         ui.horizontal(|ui| {
             ui.checkbox(&mut self.tool_paths, "Tool paths").on_hover_text("of every part, where its panel is");
             ui.add_enabled(self.tool_paths, egui::Checkbox::new(&mut self.rapid_moves, "rapid moves too"));
@@ -84,14 +84,14 @@ impl Viewport {
             self.wants = Some(Browse::Reference);
             ui.close();
         }
-        self.references.retain_mut(|reference| !reference.edit(ui));
+        self.edit_references(ui, model);
         ui.separator();
         ui.horizontal(|ui| {
             let [w, h] = &mut self.picture_size;
             ui.add(DragValue::new(w).range(16..=65536).speed(8.0));
             ui.label("×");
             ui.add(DragValue::new(h).range(16..=65536).speed(8.0));
-            if ui.button("Save a picture …").clicked() {
+            if ui.add_enabled(self.saving.is_none(), egui::Button::new("Save a picture …")).clicked() {
                 self.wants = Some(Browse::Picture);
                 ui.close();
             }

@@ -1,7 +1,10 @@
 //! Pictures of a frame for files, of any size: what is too large is drawn in tiles.
 
-use super::{Frame, Resources};
+use super::{Frame, Resources, Shown};
+use eframe::egui_wgpu::wgpu::util::DeviceExt as _;
 use eframe::egui_wgpu::{self, wgpu};
+use std::sync::mpsc::RecvTimeoutError;
+use std::time::Duration;
 
 /// Most pixels of a picture: a gibibyte of memory.
 const MOST_PIXELS: u64 = 1 << 28;
@@ -46,12 +49,26 @@ fn window(at: [u32; 2], part: [u32; 2], whole: [u32; 2]) -> glam::DMat4 {
 
 fn tile_of(state: &egui_wgpu::RenderState, frame: &Frame, size: [u32; 2], scale: f32) -> Result<Vec<u8>, String> {
     let (device, queue) = (&state.device, &state.queue);
-    let mut renderer = state.renderer.write();
-    let r = renderer.callback_resources.get_mut::<Resources>().ok_or("there is no viewport")?;
-    frame.bring(device, queue, size, scale, r);
-    let target = r.pipelines.target(device, size);
     let mut encoder = device.create_command_encoder(&Default::default());
-    frame.draw(&mut encoder, &target, r);
+    let target = {
+        // The window waits for this, but for nothing that follows.
+        let mut renderer = state.renderer.write();
+        let r = renderer.callback_resources.get_mut::<Resources>().ok_or("there is no viewport")?;
+        frame.bring(device, queue, r);
+        let seen = |shown: &Shown| {
+            let b = r.buffers.get(&shown.key)?;
+            let uniforms = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: None,
+                contents: bytemuck::bytes_of(&frame.uniforms(shown, size, scale)),
+                usage: wgpu::BufferUsages::UNIFORM,
+            });
+            Some((b, r.pipelines.group(device, &uniforms, &b.colour_buffer)))
+        };
+        let all: Vec<_> = frame.shown.iter().filter_map(seen).collect();
+        let target = r.pipelines.target(device, size);
+        frame.draw(&mut encoder, &target, &r.pipelines, all.iter().map(|(b, group)| (*b, group)));
+        target
+    };
     // Rows in a buffer begin at multiples of this.
     let row = (size[0] * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let buffer = device.create_buffer(&wgpu::BufferDescriptor {
@@ -71,8 +88,15 @@ fn tile_of(state: &egui_wgpu::RenderState, frame: &Frame, size: [u32; 2], scale:
     queue.submit([encoder.finish()]);
     let (tell, told) = std::sync::mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |done| drop(tell.send(done)));
-    device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| e.to_string())?;
-    told.recv().map_err(|e| e.to_string())?.map_err(|e| e.to_string())?;
+    // Waiting inside of the card's library would keep the window from submitting its frames.
+    loop {
+        device.poll(wgpu::PollType::Poll).map_err(|e| e.to_string())?;
+        match told.recv_timeout(Duration::from_millis(1)) {
+            Ok(done) => break done.map_err(|e| e.to_string())?,
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(e) => return Err(e.to_string()),
+        }
+    }
     let bytes = buffer.get_mapped_range(..).map_err(|e| e.to_string())?;
     let rows = bytes.chunks_exact(row as usize).flat_map(|r| &r[..size[0] as usize * 4]);
     Ok(rows.copied().collect())
