@@ -11,6 +11,7 @@ mod keys;
 mod leaving;
 mod looking;
 mod looks;
+mod menus;
 mod panels;
 mod sheets;
 mod shell;
