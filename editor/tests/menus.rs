@@ -4,7 +4,7 @@ use crate::common::{Window, example, folder, graph};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use std::path::Path;
-use tenon_editor::viewport::Measure;
+use tenon_editor::viewport::{Measure, references};
 use tenon_engine::{Node, Operation};
 
 /// Types a path where a file is asked for.
@@ -69,6 +69,31 @@ fn a_picture_is_saved_by_the_menu_beside_the_window_which_says_so() {
     choose(&mut w, &file.join("below-a-file.png"));
     let told = w.app().model.message.clone().unwrap().message;
     assert!(told.contains("was not written"), "{told}");
+}
+
+#[test]
+fn a_large_mesh_is_read_beside_the_window_which_says_so() {
+    use std::fmt::Write as _;
+    let (side, mut text) = (200, String::new());
+    for i in 0..side * side {
+        writeln!(text, "v {} {} 0", i % side, i / side).unwrap();
+    }
+    for i in (1..side * (side - 1)).filter(|i| i % side != 0) {
+        writeln!(text, "f {i} {} {} {}", i + 1, i + side + 1, i + side).unwrap();
+    }
+    let mesh = folder("menu-mesh").join("large.obj");
+    std::fs::write(&mesh, text).unwrap();
+    let mut w = Window::open(None);
+    w.click(w.rect("File").center());
+    w.click(w.rect("Show a mesh or picture behind …").center());
+    w.type_text(&mesh.to_string_lossy());
+    w.harness.key_press(Key::Enter);
+    w.steps(2);
+    assert!(w.has_containing("reading ") && references(&w.app().model).is_empty());
+    w.settle();
+    assert!(!w.has_containing("reading "), "{:?}", w.app().model.message);
+    let boxes = w.harness.state().viewport.references.boxes(&w.harness.state().model);
+    assert_eq!(boxes.iter().map(|(_, b)| b[1].x).collect::<Vec<_>>(), [f64::from(side - 1)]);
 }
 
 #[test]
