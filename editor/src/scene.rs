@@ -2,7 +2,7 @@
 //! to. No window is needed here; it runs beside the evaluation.
 
 use glam::Vec3;
-use std::collections::HashMap;
+use rayon::prelude::*;
 use std::ops::Range;
 use tenon_engine::{Column, Tree};
 use tenon_geometry::ifs::Curve;
@@ -16,6 +16,9 @@ pub const VISIBLE: [&str; 4] = ["panels", "mesh", "curve", "point"];
 
 /// Item types that are not shown where another node goes on with them: what follows is made of them.
 pub const YIELDS: [&str; 1] = ["mesh"];
+
+/// So many parts are drawn on one thread at a time.
+const PIECE: usize = 1024;
 
 /// A corner of a triangle.
 #[repr(C)]
@@ -139,10 +142,10 @@ impl Drawing {
         }
     }
 
-    /// Puts the triangles of every part into a box. O(triangles).
+    /// Puts the triangles of every part into a box, as far as they are in none. O(triangles).
     fn put_in_boxes(&mut self) {
-        let mut corners = 0;
-        for own in self.triangles.chunk_by(|a, b| a.part == b.part) {
+        let mut corners = self.boxes.last().map_or(0, |b| b.corners.end);
+        for own in self.triangles[corners..].chunk_by(|a, b| a.part == b.part) {
             let places = own.iter().map(|v| Vec3::from(v.position));
             let [low, high] = places.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[a, b], p| [a.min(p), b.max(p)]);
             self.boxes.push(PartBox { corners: corners..corners + own.len(), low, high });
@@ -176,15 +179,48 @@ impl Drawing {
     }
 
     /// A convex face as triangles from its first corner, all with one normal.
-    fn face(&mut self, corners: &[DVec3], normal: DVec3, part: u32) {
+    fn face(&mut self, corners: impl IntoIterator<Item = DVec3>, normal: DVec3, part: u32) {
         let n = (normal * 127.0).round();
         let normal = [n.x as i8, n.y as i8, n.z as i8, 0];
-        let corners: Vec<[f32; 3]> = corners.iter().map(|p| self.place(*p)).collect();
-        let rest = corners.get(1..).unwrap_or(&[]);
-        for w in rest.windows(2) {
-            let triangle = [corners[0], w[0], w[1]];
-            self.triangles.extend(triangle.map(|position| Vertex { position, normal, part }));
+        let mut corners = corners.into_iter();
+        let Some(first) = corners.next().map(|p| self.place(p)) else { return };
+        let mut before = None;
+        for corner in corners {
+            let corner = self.place(corner);
+            if let Some(before) = before.replace(corner) {
+                self.triangles.extend([first, before, corner].map(|position| Vertex { position, normal, part }));
+            }
         }
+    }
+
+    /// Draws so many parts, a piece of them on each thread: `one` draws the part with that index under that number. What comes of
+    /// it depends on no number of threads.
+    fn draw_parts(&mut self, count: usize, one: impl Fn(&mut Self, usize, u32) + Sync) {
+        let before = self.parts.len();
+        let piece = |from: usize| {
+            let mut d = Self::empty(self.kind);
+            (from..(from + PIECE).min(count)).for_each(|i| one(&mut d, i, (before + i) as u32));
+            d.put_in_boxes();
+            d
+        };
+        let starts: Vec<usize> = (0..count).step_by(PIECE).collect();
+        let pieces: Vec<Self> = starts.into_par_iter().map(piece).collect();
+        self.put_in_boxes();
+        self.triangles.reserve_exact(pieces.iter().map(|d| d.triangles.len()).sum());
+        self.lines.reserve_exact(pieces.iter().map(|d| d.lines.len()).sum());
+        pieces.into_iter().for_each(|d| self.append(d));
+    }
+
+    /// Puts another one behind this one; its parts are numbered so already.
+    fn append(&mut self, mut d: Self) {
+        let first = self.triangles.len();
+        let moved = |b: PartBox| PartBox { corners: b.corners.start + first..b.corners.end + first, ..b };
+        self.boxes.extend(d.boxes.into_iter().map(moved));
+        self.triangles.append(&mut d.triangles);
+        self.lines.append(&mut d.lines);
+        self.points.append(&mut d.points);
+        self.parts.append(&mut d.parts);
+        self.bounds = [self.bounds[0].min(d.bounds[0]), self.bounds[1].max(d.bounds[1])];
     }
 
     fn line(&mut self, from: DVec3, to: DVec3, part: u32) {
@@ -202,33 +238,31 @@ impl Drawing {
 
     fn panels(&mut self, panels: &PanelSet) {
         self.kind = Kind::Panels;
-        self.panel_parts(panels);
+        self.draw_parts(panels.len(), |d, i, part| d.panel(panels, i, part));
         let fronts: Vec<&[DVec3]> = (0..panels.len()).map(|i| &panels.front[panels.corners(i)]).collect();
         self.conical(&fronts);
     }
 
-    fn panel_parts(&mut self, panels: &PanelSet) {
-        for i in 0..panels.len() {
-            let solid = panels.solid(i);
-            let front = &panels.front[panels.corners(i)];
-            let centre = front.iter().sum::<DVec3>() / front.len().max(1) as f64;
-            let label = panels.address.get(i).map_or_else(|| i.to_string(), ToString::to_string);
-            let part = self.part(label, centre);
-            if let Some(last) = self.parts.last_mut() {
-                last.area = if solid.face_count() > 0 { solid.face_area(0) } else { 0.0 };
-                last.fold = fold(panels, i);
-                last.planarity = off_plane(front);
-            }
-            for f in 0..solid.face_count() {
-                let corners: Vec<DVec3> = solid.face(f).iter().map(|v| solid.points[*v as usize]).collect();
-                self.face(&corners, solid.planes[f].normal, part);
-                let face = solid.face(f);
-                for (k, a) in face.iter().enumerate() {
-                    let b = face[(k + 1) % face.len()];
-                    // Every edge is run along twice, in opposite directions.
-                    if *a < b {
-                        self.line(solid.points[*a as usize], solid.points[b as usize], part);
-                    }
+    fn panel(&mut self, panels: &PanelSet, i: usize, part: u32) {
+        let solid = panels.solid(i);
+        let front = &panels.front[panels.corners(i)];
+        let centre = front.iter().sum::<DVec3>() / front.len().max(1) as f64;
+        let label = panels.address.get(i).map_or_else(|| i.to_string(), ToString::to_string);
+        self.parts.push(Part {
+            area: if solid.face_count() > 0 { solid.face_area(0) } else { 0.0 },
+            fold: fold(panels, i),
+            planarity: off_plane(front),
+            ..Part::new(label, centre)
+        });
+        let point = |v: u32| solid.points[v as usize];
+        for f in 0..solid.face_count() {
+            let face = solid.face(f);
+            self.face(face.iter().map(|v| point(*v)), solid.planes[f].normal, part);
+            for (k, a) in face.iter().enumerate() {
+                let b = face[(k + 1) % face.len()];
+                // Every edge is run along twice, in opposite directions.
+                if *a < b {
+                    self.line(point(*a), point(b), part);
                 }
             }
         }
@@ -236,24 +270,22 @@ impl Drawing {
 
     fn mesh(&mut self, mesh: &Mesh) {
         self.kind = Kind::Mesh;
-        self.mesh_parts(mesh);
+        self.draw_parts(mesh.face_count(), |d, f, part| d.mesh_face(mesh, f, part));
         let faces: Vec<Vec<DVec3>> = (0..mesh.face_count()).map(|f| mesh.face_points(f).collect()).collect();
         self.conical(&faces.iter().map(Vec::as_slice).collect::<Vec<_>>());
     }
 
-    fn mesh_parts(&mut self, mesh: &Mesh) {
-        for f in 0..mesh.face_count() {
-            let corners: Vec<DVec3> = mesh.face_points(f).collect();
-            let label = mesh.addresses.get(f).map_or_else(|| f.to_string(), ToString::to_string);
-            let part = self.part(label, mesh.face_centre(f));
-            if let Some(last) = self.parts.last_mut() {
-                last.area = mesh.face_area_vector(f).length();
-                last.planarity = off_plane(&corners);
-            }
-            self.face(&corners, mesh.face_normal(f).unwrap_or(DVec3::Z), part);
-            for (k, a) in corners.iter().enumerate() {
-                self.line(*a, corners[(k + 1) % corners.len()], part);
-            }
+    fn mesh_face(&mut self, mesh: &Mesh, f: usize, part: u32) {
+        let corners: Vec<DVec3> = mesh.face_points(f).collect();
+        let label = mesh.addresses.get(f).map_or_else(|| f.to_string(), ToString::to_string);
+        self.parts.push(Part {
+            area: mesh.face_area_vector(f).length(),
+            planarity: off_plane(&corners),
+            ..Part::new(label, mesh.face_centre(f))
+        });
+        self.face(corners.iter().copied(), mesh.face_normal(f).unwrap_or(DVec3::Z), part);
+        for (k, a) in corners.iter().enumerate() {
+            self.line(*a, corners[(k + 1) % corners.len()], part);
         }
     }
 
@@ -364,34 +396,47 @@ fn off_plane(corners: &[DVec3]) -> f64 {
     corners.iter().map(|c| (*c - centre).dot(normal).abs()).fold(0.0, f64::max)
 }
 
-/// A vertex by its rounded place. Around it: face, angle there, and the vertices before and after.
+/// A vertex by its rounded place.
 type Place = [i64; 3];
 
+/// What a face is at one of its corners.
+#[derive(Clone, Copy)]
+struct Corner {
+    at: Place,
+    face: usize,
+    /// Its angle there, degrees.
+    angle: f64,
+    /// The vertices before and after.
+    beside: [Place; 2],
+}
+
 /// Of every face the largest difference of opposite angle sums around its corners, degrees (Liu et al. 2006: a vertex of four
-/// faces is conical where they are equal). Corners that lie within a thousandth of a millimetre are one. O(corners).
+/// faces is conical where they are equal). Corners that lie within a thousandth of a millimetre are one. O(corners · log
+/// corners).
 fn conicity(faces: &[&[DVec3]]) -> Vec<f64> {
     let key = |p: DVec3| (p * 1e3).round().to_array().map(|c| c as i64);
-    let mut around: HashMap<Place, Vec<(usize, f64, [Place; 2])>> = HashMap::new();
-    for (f, face) in faces.iter().enumerate() {
+    let corners = faces.par_iter().enumerate().flat_map_iter(|(f, face)| {
         let n = face.len();
-        for i in 0..n {
+        (0..n).map(move |i| {
             let (before, here, after) = (face[(i + n - 1) % n], face[i], face[(i + 1) % n]);
             let angle = (before - here).angle_between(after - here).to_degrees();
-            around.entry(key(here)).or_default().push((f, angle, [key(before), key(after)]));
-        }
-    }
+            Corner { at: key(here), face: f, angle, beside: [key(before), key(after)] }
+        })
+    });
+    let mut corners: Vec<Corner> = corners.collect();
+    corners.par_sort_by_key(|c| c.at);
     let mut worst = vec![0.0; faces.len()];
-    for corners in around.values() {
-        let [first, others @ ..] = &corners[..] else { continue };
+    for corners in corners.chunk_by(|a, b| a.at == b.at) {
+        let [first, others @ ..] = corners else { continue };
         if others.len() != 3 {
             continue;
         }
-        let touches = |o: &&(usize, f64, [Place; 2])| o.2.iter().any(|k| first.2.contains(k));
+        let touches = |o: &&Corner| o.beside.iter().any(|k| first.beside.contains(k));
         let Some(opposite) = others.iter().find(|o| !touches(o)) else { continue };
-        let sides: f64 = others.iter().filter(touches).map(|o| o.1).sum();
-        let off = (first.1 + opposite.1 - sides).abs();
+        let sides: f64 = others.iter().filter(touches).map(|o| o.angle).sum();
+        let off = (first.angle + opposite.angle - sides).abs();
         if others.iter().filter(touches).count() == 2 {
-            corners.iter().for_each(|c| worst[c.0] = f64::max(worst[c.0], off));
+            corners.iter().for_each(|c| worst[c.face] = f64::max(worst[c.face], off));
         }
     }
     worst
@@ -428,6 +473,27 @@ mod tests {
         assert_eq!(d.pick(DVec3::new(3.0, 0.5, 5.0), -DVec3::Z, |_| true), Some((1, 5.0)));
         assert_eq!(d.pick(DVec3::new(3.0, 1.5, 5.0), -DVec3::Z, |_| true), None);
         assert_eq!(d.triangles[0].normal, [0, 0, 127, 0]);
+    }
+
+    #[test]
+    fn many_parts_are_drawn_in_pieces_and_come_out_as_one_by_one() {
+        // A strip of more faces than one thread draws at a time, behind a mesh of one face.
+        let count = 2 * PIECE + 5;
+        let points = (0..2 * count + 2).map(|i| DVec3::new((i / 2) as f64, (i % 2) as f64, 0.0)).collect();
+        let face = |i: usize| [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1].map(|v| v as u32);
+        let strip = Mesh::from_faces(points, &(0..count).map(face).collect::<Vec<_>>());
+        let one = Mesh::from_faces(strip.face_points(0).collect(), &[[0, 1, 2, 3]]);
+        let d = draw(&Tree::list(vec![V::new(one), V::new(strip)])).unwrap();
+        assert_eq!((d.parts.len(), d.triangles.len(), d.lines.len()), (count + 1, 6 * (count + 1), 4 * (count + 1)));
+        assert_eq!(d.bounds[1], DVec3::new(count as f64, 1.0, 0.0));
+        for (i, triangle) in d.triangles.chunks_exact(3).enumerate() {
+            assert!(triangle.iter().all(|v| v.part == i as u32 / 2), "triangle {i}");
+        }
+        let part = PIECE as u32 + 40;
+        let from = d.parts[part as usize].centre + DVec3::Z;
+        assert_eq!(d.pick(from, -DVec3::Z, |_| true), Some((part, 1.0)));
+        assert_eq!(d.corners_of(part).count(), 6);
+        assert_eq!(d.parts[part as usize].label, (part - 1).to_string());
     }
 
     #[test]

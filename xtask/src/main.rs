@@ -19,7 +19,7 @@ cargo xtask bench chain [CASE]...   measure the chain; one JSON line per figure 
 cargo xtask bench engine [NODES]... the engine beside its peers, at these sizes or at all
 cargo xtask bench abi [CASE]...     what it costs to cross to a plugin, and from a host
 cargo xtask bench cancel [CASE]...  how long jobs go on after they were told to stop; FILE.obj is planarized
-cargo xtask bench editor            what the editor's window costs
+cargo xtask bench editor [CASE]...  what the editor's window costs
 cargo xtask dist [--no-editor]      lay out target/dist as it is installed
 cargo xtask docs [--check]          write docs/nodes.md and the codes of docs/diagnostics.md, or only compare
 cargo xtask picture                  draw docs/shell-256.svg from graphs/shell-256
@@ -39,7 +39,9 @@ fn main() -> ExitCode {
         ["bench-child", rest @ ..] => bench::growth::child(rest),
         ["picture"] => picture::write(),
         ["screenshots"] => editor(&["run", "-p", "tenon-editor", "--example", "screenshots"]),
-        ["bench", "editor"] => editor(&["bench", "-p", "tenon-editor", "--bench", "editor"]),
+        ["bench", "editor", cases @ ..] => {
+            editor(&[&["bench", "-p", "tenon-editor", "--bench", "editor", "--"], *cases].concat())
+        }
         ["docs"] => docs::write().and_then(|()| codes::write()),
         ["docs", "--check"] => docs::check().and_then(|()| codes::check()),
         _ => Err(USAGE.to_owned()),

@@ -83,7 +83,7 @@ fn bring(harness: &mut Harness<'static, App>, card: &RenderState) -> Duration {
 }
 
 /// What a hundred thousand panels cost on their way to the adapter, once: they stay there.
-fn upload() {
+pub fn panels() {
     let (mut harness, card) = open_drawn(Some(&shell()));
     let model = &mut harness.state_mut().model;
     model.selection = model.document().nodes().keys().cloned().collect();
@@ -101,6 +101,15 @@ fn upload() {
         harness.step();
     }
     let panels = there(&harness);
+    let tree = harness.state().model.results.values["thicken.panels"].clone();
+    let times = (0..5).map(|_| {
+        let start = Instant::now();
+        let drawing = tenon_editor::scene::draw(&tree).expect("panels are seen");
+        let time = start.elapsed();
+        assert_eq!(drawing.parts.len(), panels);
+        time
+    });
+    print("panels made into triangles and edges", panels, median(times.collect()), "ms", None);
     let first = bring(&mut harness, &card).as_secs_f64() * 1e3;
     harness.step();
     let again = bring(&mut harness, &card).as_secs_f64() * 1e3;
@@ -112,5 +121,4 @@ pub fn figures() {
     frames(200);
     frames(2000);
     frames_until_seen();
-    upload();
 }

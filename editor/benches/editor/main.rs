@@ -1,5 +1,6 @@
 //! `cargo xtask bench editor`: what the window costs. `logic` is without drawing, `drawn` with the software adapter, `real` a
-//! window on a screen of its own where Xvfb is installed. One JSON line per figure.
+//! window on a screen of its own where Xvfb is installed, `panels` many panels; all of them if none is named. One JSON line
+//! per figure.
 
 mod drawn;
 mod logic;
@@ -98,9 +99,14 @@ fn fill(harness: &mut Harness<'static, App>, count: usize) {
 }
 
 fn main() {
-    real::figures();
-    logic::figures();
-    drawn::figures();
+    let cases: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let all: [(&str, fn()); 4] =
+        [("real", real::figures), ("logic", logic::figures), ("drawn", drawn::figures), ("panels", drawn::panels)];
+    for (name, figures) in all {
+        if cases.is_empty() || cases.iter().any(|c| c == name) {
+            figures();
+        }
+    }
     // Whatever is left of it, the system clears away.
     let _ = std::fs::remove_dir_all(folder());
 }

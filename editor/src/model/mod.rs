@@ -300,8 +300,12 @@ impl Model {
         let mut selection = std::mem::take(&mut self.selection);
         selection.retain(|id| self.document().nodes().contains_key(id));
         self.selection = selection;
+        // What is shown follows from everything but values: while a slider moves it stays.
+        let values_only = operation.parts().all(|o| matches!(o, Operation::SetParam { .. } | Operation::Move { .. }));
         self.worker.edit(operation);
-        self.show();
+        if !values_only {
+            self.show();
+        }
     }
 
     /// From here to [`Model::end`] all changes are one step.

@@ -10,6 +10,7 @@ use crate::scene::{Drawing, Line, Vertex};
 use eframe::egui::{Color32, Rect};
 use eframe::egui_wgpu::wgpu::util::DeviceExt as _;
 use eframe::egui_wgpu::{self, CallbackResources, CallbackTrait, ScreenDescriptor, wgpu};
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -17,7 +18,7 @@ const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 const SAMPLES: u32 = 4;
 /// Largest buffer, bytes: a multiple of three corners and of a line.
-const CHUNK: usize = 60 * 28 * 20_000;
+const CHUNK: usize = 60 * 28 * 5_000;
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -332,8 +333,18 @@ impl Pipelines {
         let make = |bytes: &[u8], usage| {
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents: bytes, usage })
         };
+        // Written through the queue: a buffer that is mapped at its creation is filled with zeros first. On all threads: what
+        // takes time is the copy into memory that the card sees.
+        let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
+        let chunk = |bytes: &[u8], item: usize| {
+            let size = bytes.len() as u64;
+            let buffer =
+                device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
+            queue.write_buffer(&buffer, 0, bytes);
+            (buffer, (bytes.len() / item) as u32)
+        };
         let chunks = |bytes: &[u8], item: usize| -> Vec<(wgpu::Buffer, u32)> {
-            bytes.chunks(CHUNK).map(|c| (make(c, wgpu::BufferUsages::VERTEX), (c.len() / item) as u32)).collect()
+            bytes.par_chunks(CHUNK).map(|c| chunk(c, item)).collect()
         };
         let d = &shown.drawing;
         let uniforms = make(&[0; size_of::<Uniforms>()], wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST);
