@@ -40,7 +40,7 @@ fn main() -> ExitCode {
         ["picture"] => picture::write(),
         ["screenshots"] => editor(&["run", "-p", "tenon-editor", "--example", "screenshots"]),
         ["bench", "editor", cases @ ..] => {
-            editor(&[&["bench", "-p", "tenon-editor", "--bench", "editor", "--"], *cases].concat())
+            editor(&[&["bench", "-p", "tenon-editor", "--bench", "editor", "--"][..], cases].concat())
         }
         ["docs"] => docs::write().and_then(|()| codes::write()),
         ["docs", "--check"] => docs::check().and_then(|()| codes::check()),

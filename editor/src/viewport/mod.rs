@@ -224,7 +224,10 @@ impl Viewport {
     /// Whether nothing is on its way from other threads.
     #[must_use]
     pub fn settled(&self) -> bool {
-        let made = self.paths.settled() && self.section.settled() && self.written.settled();
+        // What is not looked at any more is not taken either once it is made.
+        let made = (!self.tool_paths || self.paths.settled())
+            && (self.clip.is_none() || self.section.settled())
+            && (!self.labels || self.written.settled());
         made && self.references.settled() && self.saving.is_none()
     }
 
