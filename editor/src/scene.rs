@@ -18,7 +18,7 @@ pub const VISIBLE: [&str; 4] = ["panels", "mesh", "curve", "point"];
 pub const YIELDS: [&str; 1] = ["mesh"];
 
 /// So many parts are drawn on one thread at a time.
-const PIECE: usize = 1024;
+const PIECE: usize = 4096;
 
 /// A corner of a triangle.
 #[repr(C)]
@@ -42,6 +42,18 @@ pub struct Line {
     pub to: [f32; 3],
     /// The part that it belongs to.
     pub part: u32,
+}
+
+/// Bodies as a card takes them: of every corner one vertex, of every edge two numbers. A triangle has normal and part of its
+/// first vertex, so that faces share the others.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bodies {
+    /// Corners.
+    pub vertices: Vec<Vertex>,
+    /// Triangles, three vertices each.
+    pub triangles: Vec<u32>,
+    /// Edges, by their ends.
+    pub edges: Vec<[u32; 2]>,
 }
 
 /// What is drawn, which also fixes its colour.
@@ -90,8 +102,10 @@ impl Part {
 pub struct Drawing {
     /// What is drawn.
     pub kind: Kind,
-    /// Corners of triangles, three by three.
+    /// Corners of triangles, three by three; those of bodies too, to be picked and cut.
     pub triangles: Vec<Vertex>,
+    /// All triangles and their edges as bodies, in pieces; empty if triangles and lines are drawn as they stand.
+    pub bodies: Vec<Bodies>,
     /// Edges and curves.
     pub lines: Vec<Line>,
     /// Points, mm.
@@ -133,6 +147,7 @@ impl Drawing {
         Self {
             kind,
             triangles: Vec::new(),
+            bodies: Vec::new(),
             lines: Vec::new(),
             points: Vec::new(),
             parts: Vec::new(),
@@ -198,7 +213,7 @@ impl Drawing {
     fn draw_parts(&mut self, count: usize, one: impl Fn(&mut Self, usize, u32) + Sync) {
         let before = self.parts.len();
         let piece = |from: usize| {
-            let mut d = Self::empty(self.kind);
+            let mut d = Self { bodies: vec![Bodies::default()], ..Self::empty(self.kind) };
             (from..(from + PIECE).min(count)).for_each(|i| one(&mut d, i, (before + i) as u32));
             d.put_in_boxes();
             d
@@ -207,7 +222,6 @@ impl Drawing {
         let pieces: Vec<Self> = starts.into_par_iter().map(piece).collect();
         self.put_in_boxes();
         self.triangles.reserve_exact(pieces.iter().map(|d| d.triangles.len()).sum());
-        self.lines.reserve_exact(pieces.iter().map(|d| d.lines.len()).sum());
         pieces.into_iter().for_each(|d| self.append(d));
     }
 
@@ -217,8 +231,7 @@ impl Drawing {
         let moved = |b: PartBox| PartBox { corners: b.corners.start + first..b.corners.end + first, ..b };
         self.boxes.extend(d.boxes.into_iter().map(moved));
         self.triangles.append(&mut d.triangles);
-        self.lines.append(&mut d.lines);
-        self.points.append(&mut d.points);
+        self.bodies.append(&mut d.bodies);
         self.parts.append(&mut d.parts);
         self.bounds = [self.bounds[0].min(d.bounds[0]), self.bounds[1].max(d.bounds[1])];
     }
@@ -254,18 +267,46 @@ impl Drawing {
             planarity: off_plane(front),
             ..Part::new(label, centre)
         });
-        let point = |v: u32| solid.points[v as usize];
-        for f in 0..solid.face_count() {
-            let face = solid.face(f);
-            self.face(face.iter().map(|v| point(*v)), solid.planes[f].normal, part);
+        // The last faces have the fewest corners to choose from.
+        let faces = (0..solid.face_count()).rev().map(|f| (solid.face(f), solid.planes[f].normal));
+        self.body(&solid.points, faces, part);
+    }
+
+    /// A body of convex faces.
+    fn body<'a>(&mut self, points: &[DVec3], faces: impl Iterator<Item = (&'a [u32], DVec3)>, part: u32) {
+        let Some(mut own) = self.bodies.pop() else { return };
+        let first = own.vertices.len() as u32;
+        let vertex = |p: &DVec3| Vertex { position: p.as_vec3().to_array(), normal: [0; 4], part };
+        own.vertices.extend(points.iter().map(vertex));
+        for (face, normal) in faces {
+            let corner = self.triangles.len();
+            self.face(face.iter().map(|v| points[*v as usize]), normal, part);
+            let Some(normal) = self.triangles.get(corner).map(|v| v.normal) else { continue };
+            // It begins at a corner at which no other face does, or else at one of its own.
+            let free = |v: &u32| own.vertices[(first + v) as usize].normal == [0; 4];
+            let start = face.iter().position(free).unwrap_or(0);
+            let mut round = face[start..].iter().chain(&face[..start]).map(|v| first + v);
+            let Some(mut begin) = round.next() else { continue };
+            if own.vertices[begin as usize].normal != [0; 4] {
+                own.vertices.push(own.vertices[begin as usize]);
+                begin = own.vertices.len() as u32 - 1;
+            }
+            own.vertices[begin as usize].normal = normal;
+            let mut before = None;
+            for v in round {
+                if let Some(before) = before.replace(v) {
+                    own.triangles.extend([begin, before, v]);
+                }
+            }
             for (k, a) in face.iter().enumerate() {
                 let b = face[(k + 1) % face.len()];
-                // Every edge is run along twice, in opposite directions.
+                // Every edge of a closed body is run along twice, in opposite directions.
                 if *a < b {
-                    self.line(point(*a), point(b), part);
+                    own.edges.push([first + a, first + b]);
                 }
             }
         }
+        self.bodies.push(own);
     }
 
     fn mesh(&mut self, mesh: &Mesh) {
@@ -283,9 +324,11 @@ impl Drawing {
             planarity: off_plane(&corners),
             ..Part::new(label, mesh.face_centre(f))
         });
-        self.face(corners.iter().copied(), mesh.face_normal(f).unwrap_or(DVec3::Z), part);
-        for (k, a) in corners.iter().enumerate() {
-            self.line(*a, corners[(k + 1) % corners.len()], part);
+        let round: Vec<u32> = (0..corners.len() as u32).collect();
+        self.body(&corners, [(&round[..], mesh.face_normal(f).unwrap_or(DVec3::Z))].into_iter(), part);
+        if let (Some(own), Some(last @ 2..)) = (self.bodies.last_mut(), round.last()) {
+            let end = own.vertices.len() as u32 - 1;
+            own.edges.push([end, end - last]);
         }
     }
 
@@ -462,13 +505,57 @@ fn meet(origin: DVec3, direction: DVec3, a: DVec3, b: DVec3, c: DVec3) -> Option
 mod tests {
     use super::*;
 
+    fn edges(d: &Drawing) -> usize {
+        d.bodies.iter().map(|b| b.edges.len()).sum()
+    }
+
+    /// Both say the same: as many triangles, of one area by normal and part, and every edge between two corners of one part.
+    fn bodies_are_the_triangles(d: &Drawing) {
+        let area = |t: [Vertex; 3]| {
+            let [a, b, c] = t.map(|v| DVec3::from(v.position.map(f64::from)));
+            (b - a).cross(c - a).length()
+        };
+        let mut sums: std::collections::BTreeMap<(u32, [i8; 4]), f64> = Default::default();
+        for t in d.triangles.chunks_exact(3) {
+            *sums.entry((t[0].part, t[0].normal)).or_default() += area([t[0], t[1], t[2]]);
+        }
+        for b in &d.bodies {
+            for t in b.triangles.chunks_exact(3) {
+                let t = [t[0], t[1], t[2]].map(|v| b.vertices[v as usize]);
+                assert!(t.iter().all(|v| v.part == t[0].part));
+                *sums.entry((t[0].part, t[0].normal)).or_default() -= area(t);
+            }
+            assert!(b.edges.iter().flatten().all(|v| (*v as usize) < b.vertices.len()));
+        }
+        assert_eq!(d.triangles.len(), d.bodies.iter().map(|b| b.triangles.len()).sum::<usize>());
+        assert!(sums.values().all(|s| s.abs() < 1.0), "{sums:?}");
+    }
+
+    #[test]
+    fn faces_of_a_body_share_its_corners() {
+        let corners: Vec<DVec3> =
+            (0..8).map(|i| DVec3::from([i & 1, i >> 1 & 1, i >> 2].map(|c| f64::from(c) * 2.0))).collect();
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let normals = [-DVec3::Z, DVec3::Z, -DVec3::Y, DVec3::Y, -DVec3::X, DVec3::X];
+        let mut d = Drawing { bodies: vec![Bodies::default()], ..Drawing::empty(Kind::Panels) };
+        d.body(&corners, faces.iter().map(|f| &f[..]).zip(normals), 0);
+        assert_eq!((d.bodies[0].vertices.len(), edges(&d), d.triangles.len()), (8, 12, 36));
+        bodies_are_the_triangles(&d);
+        // Three faces that all have one triangle's corners cannot all begin at one of their own.
+        let mut d = Drawing { bodies: vec![Bodies::default()], ..Drawing::empty(Kind::Panels) };
+        let same = [[0_u32, 1, 2]; 4];
+        d.body(&corners[..3], same.iter().map(|f| &f[..]).zip(normals), 0);
+        assert_eq!(d.bodies[0].vertices.len(), 4);
+        bodies_are_the_triangles(&d);
+    }
+
     #[test]
     fn a_mesh_is_drawn_and_picked_by_face() {
         let points = [[0.0, 0.0], [2.0, 0.0], [4.0, 0.0], [0.0, 1.0], [2.0, 1.0], [4.0, 1.0]];
         let points = points.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec();
         let mesh = Mesh::from_faces(points, &[[0, 1, 4, 3], [1, 2, 5, 4]]);
         let d = draw(&Tree::item(V::new(mesh))).unwrap();
-        assert_eq!((d.triangles.len(), d.lines.len(), d.parts.len()), (12, 8, 2));
+        assert_eq!((d.triangles.len(), edges(&d), d.parts.len()), (12, 8, 2));
         assert_eq!(d.bounds, [DVec3::ZERO, DVec3::new(4.0, 1.0, 0.0)]);
         assert_eq!(d.pick(DVec3::new(3.0, 0.5, 5.0), -DVec3::Z, |_| true), Some((1, 5.0)));
         assert_eq!(d.pick(DVec3::new(3.0, 1.5, 5.0), -DVec3::Z, |_| true), None);
@@ -484,7 +571,8 @@ mod tests {
         let strip = Mesh::from_faces(points, &(0..count).map(face).collect::<Vec<_>>());
         let one = Mesh::from_faces(strip.face_points(0).collect(), &[[0, 1, 2, 3]]);
         let d = draw(&Tree::list(vec![V::new(one), V::new(strip)])).unwrap();
-        assert_eq!((d.parts.len(), d.triangles.len(), d.lines.len()), (count + 1, 6 * (count + 1), 4 * (count + 1)));
+        assert_eq!((d.parts.len(), d.triangles.len(), edges(&d)), (count + 1, 6 * (count + 1), 4 * (count + 1)));
+        bodies_are_the_triangles(&d);
         assert_eq!(d.bounds[1], DVec3::new(count as f64, 1.0, 0.0));
         for (i, triangle) in d.triangles.chunks_exact(3).enumerate() {
             assert!(triangle.iter().all(|v| v.part == i as u32 / 2), "triangle {i}");

@@ -6,7 +6,7 @@ mod tiles;
 pub use tiles::picture;
 
 use super::{Camera, Clip, rgb};
-use crate::scene::{Drawing, Line, Vertex};
+use crate::scene::{Bodies, Drawing, Line, Vertex};
 use eframe::egui::{Color32, Rect};
 use eframe::egui_wgpu::wgpu::util::DeviceExt as _;
 use eframe::egui_wgpu::{self, CallbackResources, CallbackTrait, ScreenDescriptor, wgpu};
@@ -92,10 +92,20 @@ struct Buffers {
     triangles: Vec<(wgpu::Buffer, u32)>,
     lines: Vec<(wgpu::Buffer, u32)>,
     points: Vec<(wgpu::Buffer, u32)>,
+    bodies: Vec<BodyBuffers>,
     /// How it is seen in the window; a picture has uniforms of its own.
     uniforms: wgpu::Buffer,
     group: wgpu::BindGroup,
     photo: Option<wgpu::BindGroup>,
+}
+
+/// Buffers of a piece of bodies.
+struct BodyBuffers {
+    vertices: wgpu::Buffer,
+    triangles: (wgpu::Buffer, u32),
+    edges: (wgpu::Buffer, u32),
+    /// The vertices as edges see them.
+    corners: wgpu::BindGroup,
 }
 
 /// The picture that is drawn into.
@@ -112,6 +122,8 @@ struct Pipelines {
     faces: wgpu::RenderPipeline,
     lines: wgpu::RenderPipeline,
     points: wgpu::RenderPipeline,
+    edges: wgpu::RenderPipeline,
+    corner_layout: wgpu::BindGroupLayout,
     photos: wgpu::RenderPipeline,
     photo_layout: wgpu::BindGroupLayout,
     smooth: wgpu::Sampler,
@@ -183,6 +195,15 @@ impl Pipelines {
                 },
             ],
         });
+        let corner_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("corners"),
+            entries: &[entry(2, wgpu::ShaderStages::VERTEX, storage)],
+        });
+        let with_corners = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("scene with corners"),
+            bind_group_layouts: &[Some(&layout), Some(&corner_layout)],
+            ..Default::default()
+        });
         let with_photo = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("scene with photo"),
             bind_group_layouts: &[Some(&layout), Some(&photo_layout)],
@@ -191,10 +212,18 @@ impl Pipelines {
         let face = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm8x4, 2 => Uint32];
         let line = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Uint32];
         let point = wgpu::vertex_attr_array![0 => Float32x3];
+        let edge = wgpu::vertex_attr_array![0 => Uint32x2];
         let pipeline = |name: &str, stride: u64, step_mode, attributes: &[wgpu::VertexAttribute]| {
+            let layout = match name {
+                "photo" => &with_photo,
+                "edge" => &with_corners,
+                _ => &common,
+            };
+            // Edges are lines that find their ends elsewhere.
+            let fragment = if name == "edge" { "line" } else { name };
             device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(name),
-                layout: Some(if name == "photo" { &with_photo } else { &common }),
+                layout: Some(layout),
                 vertex: wgpu::VertexState {
                     module: &scene,
                     entry_point: Some(&format!("{name}_vertex")),
@@ -212,7 +241,7 @@ impl Pipelines {
                 multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
                 fragment: Some(wgpu::FragmentState {
                     module: &scene,
-                    entry_point: Some(&format!("{name}_fragment")),
+                    entry_point: Some(&format!("{fragment}_fragment")),
                     compilation_options: Default::default(),
                     targets: &[Some(COLOUR.into())],
                 }),
@@ -246,6 +275,8 @@ impl Pipelines {
             lines: pipeline("line", size_of::<Line>() as u64, wgpu::VertexStepMode::Instance, &line),
             points: pipeline("point", 12, wgpu::VertexStepMode::Instance, &point),
             photos: pipeline("photo", size_of::<Vertex>() as u64, wgpu::VertexStepMode::Vertex, &face),
+            edges: pipeline("edge", 8, wgpu::VertexStepMode::Instance, &edge),
+            corner_layout,
             photo_layout,
             smooth: device.create_sampler(&wgpu::SamplerDescriptor {
                 mag_filter: wgpu::FilterMode::Linear,
@@ -335,16 +366,28 @@ impl Pipelines {
         };
         // Written through the queue: a buffer that is mapped at its creation is filled with zeros first. On all threads: what
         // takes time is the copy into memory that the card sees.
-        let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
-        let chunk = |bytes: &[u8], item: usize| {
-            let size = bytes.len() as u64;
+        let written = |bytes: &[u8], usage| {
+            let (size, usage) = (bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST);
             let buffer =
                 device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
             queue.write_buffer(&buffer, 0, bytes);
-            (buffer, (bytes.len() / item) as u32)
+            buffer
         };
+        let vertex = wgpu::BufferUsages::VERTEX;
         let chunks = |bytes: &[u8], item: usize| -> Vec<(wgpu::Buffer, u32)> {
-            bytes.par_chunks(CHUNK).map(|c| chunk(c, item)).collect()
+            bytes.par_chunks(CHUNK).map(|c| (written(c, vertex), (c.len() / item) as u32)).collect()
+        };
+        let body = |b: &Bodies| {
+            let vertices = written(bytemuck::cast_slice(&b.vertices), vertex | wgpu::BufferUsages::STORAGE);
+            let corners = device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: None,
+                layout: &self.corner_layout,
+                entries: &[wgpu::BindGroupEntry { binding: 2, resource: vertices.as_entire_binding() }],
+            });
+            let triangles = written(bytemuck::cast_slice(&b.triangles), wgpu::BufferUsages::INDEX);
+            let edges = written(bytemuck::cast_slice(&b.edges), vertex);
+            let counts = [b.triangles.len(), b.edges.len()].map(|n| n as u32);
+            BodyBuffers { vertices, triangles: (triangles, counts[0]), edges: (edges, counts[1]), corners }
         };
         let d = &shown.drawing;
         let uniforms = make(&[0; size_of::<Uniforms>()], wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST);
@@ -357,7 +400,11 @@ impl Pipelines {
             digest: d.digest,
             colours: shown.colours.clone(),
             colour_buffer,
-            triangles: chunks(bytemuck::cast_slice(&d.triangles), size_of::<Vertex>()),
+            triangles: match d.bodies.is_empty() {
+                true => chunks(bytemuck::cast_slice(&d.triangles), size_of::<Vertex>()),
+                false => Vec::new(),
+            },
+            bodies: d.bodies.par_iter().filter(|b| !b.triangles.is_empty()).map(body).collect(),
             lines: chunks(bytemuck::cast_slice(&d.lines), size_of::<Line>()),
             points: chunks(bytemuck::cast_slice(&d.points), 12),
             uniforms,
@@ -515,6 +562,18 @@ impl Frame {
             for (buffer, count) in &b.triangles {
                 pass.set_vertex_buffer(0, buffer.slice(..));
                 pass.draw(0..*count, 0..1);
+            }
+            for body in &b.bodies {
+                pass.set_pipeline(&pipelines.faces);
+                pass.set_vertex_buffer(0, body.vertices.slice(..));
+                pass.set_index_buffer(body.triangles.0.slice(..), wgpu::IndexFormat::Uint32);
+                pass.draw_indexed(0..body.triangles.1, 0, 0..1);
+                if body.edges.1 > 0 {
+                    pass.set_pipeline(&pipelines.edges);
+                    pass.set_bind_group(1, &body.corners, &[]);
+                    pass.set_vertex_buffer(0, body.edges.0.slice(..));
+                    pass.draw(0..6, 0..body.edges.1);
+                }
             }
             for (pipeline, all) in [(&pipelines.lines, &b.lines), (&pipelines.points, &b.points)] {
                 pass.set_pipeline(pipeline);

@@ -14,7 +14,8 @@ struct Uniforms {
 
 struct Face {
     @builtin(position) at: vec4<f32>,
-    @location(0) normal: vec3<f32>,
+    // Of a triangle's first vertex.
+    @location(0) @interpolate(flat) normal: vec3<f32>,
     @location(1) @interpolate(flat) part: u32,
     @location(2) clipped: f32,
 }
@@ -64,6 +65,22 @@ fn line_vertex(
     @location(1) stop: vec3<f32>,
     @location(2) part: u32,
 ) -> Stroke {
+    return stroke(corner, start, stop, part);
+}
+
+// Corners of bodies: place, normal and part, five words each.
+@group(1) @binding(2) var<storage, read> corners: array<u32>;
+
+fn corner_at(i: u32) -> vec3<f32> {
+    return bitcast<vec3<f32>>(vec3(corners[5u * i], corners[5u * i + 1u], corners[5u * i + 2u]));
+}
+
+@vertex
+fn edge_vertex(@builtin(vertex_index) corner: u32, @location(0) ends: vec2<u32>) -> Stroke {
+    return stroke(corner, corner_at(ends.x), corner_at(ends.y), corners[5u * ends.x + 4u]);
+}
+
+fn stroke(corner: u32, start: vec3<f32>, stop: vec3<f32>, part: u32) -> Stroke {
     var a = u.matrix * vec4(start, 1.0);
     var b = u.matrix * vec4(stop, 1.0);
     // What lies behind the eye is cut off where the eye's plane is.
