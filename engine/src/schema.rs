@@ -198,7 +198,7 @@ fn interface() -> Json {
                         "unit": text("Sign of the unit, for people."),
                         "min": { "type": "number", "description": "Smallest number accepted." },
                         "max": { "type": "number", "description": "Largest number accepted." },
-                        "step": { "type": "number", "description": "By how much people slide it, above 0." },
+                        "step": { "type": "number", "exclusiveMinimum": 0, "description": "By how much people slide it, above 0." },
                         "doc": text("What it means."),
                         "order": { "type": "integer", "description": "Its place among the others, the smallest first." },
                     },

@@ -58,7 +58,11 @@ pub const CODES: &[Code] = &[
         "The message says what the port takes; tenon nodes TYPE lists the ports with units and ranges.",
     ),
     code("bad-position", "A node was to be moved to a place that is no number.", "Give finite coordinates."),
-    code("bad-range", "The range of an interface input is not finite.", "Give finite limits, or none."),
+    code(
+        "bad-range",
+        "The range of an interface input is not finite, or its step is not above 0.",
+        "Give finite limits and a step above 0, or none.",
+    ),
     code(
         "bad-version",
         "The version of a node, an interface or a link is 0 or no whole number.",

@@ -388,7 +388,13 @@ impl<'a> Loader<'a> {
                 };
                 let unit = self.text(&mut map, "unit", &what);
                 let (min, max) = (self.number(&mut map, "min", &what), self.number(&mut map, "max", &what));
-                let step = self.number(&mut map, "step", &what);
+                let written = map.get("step").map(|raw| raw.get());
+                let step = self.number(&mut map, "step", &what).filter(|step| {
+                    if *step <= 0.0 {
+                        self.error(written.unwrap_or(""), format!("\"step\" of {what} must be above 0, not {step}"));
+                    }
+                    *step > 0.0
+                });
                 let doc = self.text(&mut map, "doc", &what);
                 let order = self.whole(&mut map, "order", &what);
                 let extra = self.rest(map);

@@ -2,7 +2,7 @@
 
 use super::column::Column;
 use super::item::Text;
-use crate::stop::{Pending, Stoppable, Ticker, let_go};
+use crate::stop::{Pending, Stoppable, Ticker, drop_beside};
 use std::cmp::Ordering;
 
 impl Column {
@@ -89,7 +89,7 @@ impl Column {
             merged.clear();
             length *= 2;
         }
-        let_go(merged);
+        drop_beside::<usize>(merged.capacity(), merged);
         order
     }
 }

@@ -7,6 +7,7 @@ use crate::panel::PanelSet;
 use crate::plane::Plane;
 use crate::shared::Shared;
 use glam::{DAffine3, DMat3, DVec3};
+use rayon::prelude::*;
 
 /// What of a panel is laid along the board's grain axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,8 +112,10 @@ pub fn map_parts(
     }
     frame.resize(panels.len(), DAffine3::IDENTITY);
     let moved = |list: &[Feature]| -> Vec<Feature> {
-        list.iter()
-            .take_while(|_| go())
+        if !go() {
+            return Vec::new();
+        }
+        list.par_iter()
             .map(|f| {
                 let m = frame.get(f.panel as usize).copied().unwrap_or(DAffine3::IDENTITY);
                 Feature { machining: machining(&m, &f.machining), ..f.clone() }

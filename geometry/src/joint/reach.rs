@@ -7,6 +7,7 @@ use crate::machine::{KinematicsError, Machine, Revolved, Tool, ToolKind};
 use crate::panel::PanelSet;
 use crate::plane::Plane;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::borrow::Cow;
 
 /// What is done with a feature that the machine cannot reach.
@@ -122,6 +123,9 @@ pub struct ReachIssue {
     pub cause: ReachError,
 }
 
+/// So many features are checked before it is asked whether to go on.
+const OFTEN: usize = 64;
+
 /// Checks every drilled feature and sorts out those that `machine` cannot make; other features pass. Of several fitting
 /// drills the first that reaches is good enough. Holder and spindle must stay above a board without end, so clamps,
 /// table edges and other parts are not looked at here (the proof does). The order of features is kept. O(features ·
@@ -137,18 +141,32 @@ pub fn check_reach(
 ) -> (FeatureSet, Vec<ReachIssue>) {
     let mut out = FeatureSet { by_hand: features.by_hand, hardware: features.hardware, ..FeatureSet::default() };
     let mut issues = Vec::new();
-    for feature in features.features.into_iter().take_while(|_| go()) {
-        match reach(set, &feature, machine, rule) {
-            Ok(()) => out.features.push(feature),
-            Err(cause) => {
-                let by_hand = rule.out_of_reach == OutOfReach::ByHand;
-                let Feature { panel, edge, joint, ref purpose, .. } = feature;
-                let purpose = purpose.clone();
-                issues.push(ReachIssue { panel, edge, joint, purpose, by_hand, cause });
-                if by_hand {
-                    out.by_hand.push(feature);
-                }
-            }
+    let all = features.features;
+    let fault = |(i, feature): (usize, &Feature)| {
+        let checked = i.is_multiple_of(OFTEN).then(go).unwrap_or(true).then(|| reach(set, feature, machine, rule));
+        match checked {
+            Some(Ok(())) => None,
+            Some(Err(cause)) => Some((i, Some(cause))),
+            None => Some((i, None)),
+        }
+    };
+    let mut faults = all.par_iter().enumerate().filter_map(fault).collect::<Vec<_>>().into_iter().peekable();
+    if faults.peek().is_none() {
+        out.features = all;
+        return (out, issues);
+    }
+    for (i, feature) in all.into_iter().enumerate() {
+        let Some((_, cause)) = faults.next_if(|(at, _)| *at == i) else {
+            out.features.push(feature);
+            continue;
+        };
+        let Some(cause) = cause else { break };
+        let by_hand = rule.out_of_reach == OutOfReach::ByHand;
+        let Feature { panel, edge, joint, ref purpose, .. } = feature;
+        let purpose = purpose.clone();
+        issues.push(ReachIssue { panel, edge, joint, purpose, by_hand, cause });
+        if by_hand {
+            out.by_hand.push(feature);
         }
     }
     out.by_hand.sort_by_key(|f| f.panel);

@@ -5,12 +5,13 @@ use super::body::Envelope;
 use super::contour;
 use super::drill::{Hole, drill};
 use super::engrave::{Text, engrave};
-use super::path::{Operation, Purpose, ToolPaths};
+use super::path::{MoveKind, Operation, Purpose, ToolPaths};
 use super::reach::{PathError, PathIssue, PathParams, Place, Reach};
 use super::trace::Trace;
 use crate::board::{Layout, PartSet, facets};
 use crate::joint::{Feature, Machining};
 use crate::machine::{Machine, ToolKind};
+use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -96,18 +97,58 @@ pub fn cut_parts(
         return Err(PathError::Cancelled);
     }
     let mut all = PartPaths { operation_start: vec![0], clearance: params.clearance, ..PartPaths::default() };
-    // Columns that grow would be copied, and their pages made, again and again.
-    reserve(&mut all.paths, single.iter().map(|(trace, ..)| trace.paths.tip.len()).sum());
-    for (i, (trace, issues, failed)) in single.into_iter().enumerate() {
-        if i.is_multiple_of(64) && !progress(1.0) {
-            return Err(PathError::Cancelled);
-        }
-        append(&mut all.paths, trace.paths);
-        all.operation_start.push(all.paths.operations.len() as u32);
+    let (mut traces, mut operations) = (Vec::with_capacity(n), 0);
+    for (trace, issues, failed) in single {
+        operations += trace.paths.operations.len() as u32;
+        all.operation_start.push(operations);
         all.issues.extend(issues);
         all.failed.push(failed);
+        traces.push(trace.paths);
     }
+    all.paths = join(traces, &|| progress(1.0)).ok_or(PathError::Cancelled)?;
     Ok(all)
+}
+
+/// Puts moves one after another, on all threads: they are much more than a cache holds. None if `go` says no.
+fn join(parts: Vec<ToolPaths>, go: &(dyn Fn() -> bool + Sync)) -> Option<ToolPaths> {
+    let moves = parts.iter().map(|p| p.tip.len()).sum();
+    let mut all = ToolPaths {
+        operations: Vec::with_capacity(parts.iter().map(|p| p.operations.len()).sum()),
+        kind: vec![MoveKind::Rapid; moves],
+        tip: zeroed_vec(moves),
+        axis: zeroed_vec(moves),
+        feed: zeroed_vec(moves),
+    };
+    let (mut kind, mut tip, mut axis, mut feed) =
+        (&mut all.kind[..], &mut all.tip[..], &mut all.axis[..], &mut all.feed[..]);
+    let (mut rooms, mut shift) = (Vec::with_capacity(parts.len()), 0);
+    for part in &parts {
+        let count = part.tip.len();
+        let moved = |op: &Operation| Operation { moves: op.moves.start + shift..op.moves.end + shift, ..op.clone() };
+        all.operations.extend(part.operations.iter().map(moved));
+        rooms.push((cut(&mut kind, count), cut(&mut tip, count), cut(&mut axis, count), cut(&mut feed, count)));
+        shift += count as u32;
+    }
+    let stopped = AtomicBool::new(false);
+    rooms.into_par_iter().zip(parts).enumerate().for_each(|(i, ((kind, tip, axis, feed), part))| {
+        if i.is_multiple_of(64) && !go() {
+            stopped.store(true, Ordering::Relaxed);
+        }
+        if !stopped.load(Ordering::Relaxed) {
+            kind.copy_from_slice(&part.kind);
+            tip.copy_from_slice(&part.tip);
+            axis.copy_from_slice(&part.axis);
+            feed.copy_from_slice(&part.feed);
+        }
+    });
+    (!stopped.into_inner()).then_some(all)
+}
+
+/// Takes the first items off a slice.
+fn cut<'a, T>(slice: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let (first, rest) = std::mem::take(slice).split_at_mut(count);
+    *slice = rest;
+    first
 }
 
 /// Indices of the machine's features per part.
@@ -119,26 +160,6 @@ fn features_by_part(parts: &PartSet) -> Vec<Vec<u32>> {
         }
     }
     own
-}
-
-/// Makes room for so many more moves.
-fn reserve(paths: &mut ToolPaths, moves: usize) {
-    paths.kind.reserve(moves);
-    paths.tip.reserve(moves);
-    paths.axis.reserve(moves);
-    paths.feed.reserve(moves);
-}
-
-/// Moves the columns of `from` to the end of `to`.
-fn append(to: &mut ToolPaths, from: ToolPaths) {
-    let shift = to.tip.len() as u32;
-    to.operations.extend(
-        from.operations.into_iter().map(|op| Operation { moves: op.moves.start + shift..op.moves.end + shift, ..op }),
-    );
-    to.kind.extend(from.kind);
-    to.tip.extend(from.tip);
-    to.axis.extend(from.axis);
-    to.feed.extend(from.feed);
 }
 
 /// The contour tool.
@@ -362,8 +383,5 @@ pub fn place_paths(
     go: &(dyn Fn() -> bool + Sync),
 ) -> (ToolPaths, Vec<PathIssue>) {
     let (boards, issues) = place_boards(paths, layout, machine, go, &ToolPaths::clone);
-    let mut all = ToolPaths::default();
-    reserve(&mut all, boards.iter().map(|b| b.tip.len()).sum());
-    boards.into_iter().for_each(|board| append(&mut all, board));
-    (all, issues)
+    (join(boards, go).unwrap_or_default(), issues)
 }

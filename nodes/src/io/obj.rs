@@ -112,7 +112,7 @@ pub fn read_obj(bytes: &[u8], unit_mm: f64) -> Result<Mesh, ObjError> {
     if !(unit_mm.is_finite() && unit_mm > 0.0) {
         return Err(ObjError::Unit { unit_mm });
     }
-    let mut mesh = Mesh { face_start: vec![0].into(), ..Mesh::default() };
+    let mut mesh = Rows { face_start: vec![0], ..Rows::default() };
     let mut ahead = Vec::new();
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut joined = Vec::new();
@@ -138,15 +138,28 @@ pub fn read_obj(bytes: &[u8], unit_mm: f64) -> Result<Mesh, ObjError> {
             return Err(ObjError::NoVertex { line, index, vertices: mesh.points.len() });
         }
     }
-    if mesh.face_count() == 0 {
+    if mesh.face_start.len() == 1 {
         return Err(ObjError::NoFaces { vertices: mesh.points.len() });
     }
-    Ok(mesh)
+    Ok(Mesh {
+        points: mesh.points.into(),
+        face_start: mesh.face_start.into(),
+        face_vertices: mesh.face_vertices.into(),
+        ..Mesh::default()
+    })
+}
+
+/// A mesh that is being read.
+#[derive(Default)]
+struct Rows {
+    points: Vec<DVec3>,
+    face_start: Vec<u32>,
+    face_vertices: Vec<u32>,
 }
 
 /// One statement. `ahead` collects corners whose vertex has not been read yet.
 fn read_line(
-    mesh: &mut Mesh,
+    mesh: &mut Rows,
     ahead: &mut Vec<(usize, i64)>,
     text: &[u8],
     line: usize,
@@ -165,7 +178,7 @@ fn read_line(
                     .filter(|v| v.is_finite())
                     .ok_or_else(|| ObjError::Number { line, word: shown(word) })?;
             }
-            mesh.points.to_mut().push(DVec3::from_array(xyz));
+            mesh.points.push(DVec3::from_array(xyz));
             u32::try_from(mesh.points.len()).map_err(|_| ObjError::TooLarge { line })?;
         }
         b"f" => {
@@ -182,15 +195,13 @@ fn read_line(
                     vertices as i64 + index
                 };
                 let vertex = u32::try_from(vertex).map_err(|_| ObjError::NoVertex { line, index, vertices })?;
-                mesh.face_vertices.to_mut().push(vertex);
+                mesh.face_vertices.push(vertex);
             }
             let found = mesh.face_vertices.len() - first;
             if found < 3 {
                 return Err(ObjError::Face { line, found });
             }
-            mesh.face_start
-                .to_mut()
-                .push(u32::try_from(mesh.face_vertices.len()).map_err(|_| ObjError::TooLarge { line })?);
+            mesh.face_start.push(u32::try_from(mesh.face_vertices.len()).map_err(|_| ObjError::TooLarge { line })?);
         }
         other if IGNORED.contains(&other) => {}
         other => return Err(ObjError::Statement { line, word: shown(other) }),

@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
-use tenon_engine::{Control, Report};
+use std::time::Instant;
+use tenon_engine::{Control, Registry, Report};
 
 /// The most that a figure per panel may be of the same at the smallest size.
 const MOST: f64 = 1.5;
@@ -105,8 +105,37 @@ fn measure(index: usize, size: Size) -> Result<Measured, String> {
     Ok(Measured { panels: size.panels() as f64, ms, bytes, pack_ms, nodes })
 }
 
+/// Panels of a round, whatever the size: a hundred small shells one after another, or one large one. So every size is
+/// measured as long and as often, on a machine that others use as well.
+const ROUND: u64 = 102_400;
+/// Rounds that are measured.
+const ROUNDS: u32 = 3;
+
+/// What one shell took: milliseconds of each stage, of packing and of each node.
+#[derive(Clone, Default)]
+struct Times {
+    ms: [f64; STAGES.len()],
+    pack_ms: f64,
+    nodes: BTreeMap<String, f64>,
+}
+
+impl Times {
+    /// Takes of each the least of both.
+    fn least(mut self, other: &Self) -> Self {
+        self.ms.iter_mut().zip(other.ms).for_each(|(a, b)| *a = a.min(b));
+        self.pack_ms = self.pack_ms.min(other.pack_ms);
+        self.nodes.iter_mut().for_each(|(id, a)| *a = other.nodes.get(id).map_or(*a, |b| a.min(*b)));
+        self
+    }
+
+    fn divide(&mut self, count: f64) {
+        self.ms.iter_mut().chain([&mut self.pack_ms]).chain(self.nodes.values_mut()).for_each(|ms| *ms /= count);
+    }
+}
+
 /// One size, in a process of its own: `{"ms": [by stage], "pack_ms", "nodes": {id: ms}, "bytes": [by stage]}`. Times are
-/// the least of several rounds; memory is the peak of the first round above the start: later ones reuse its pages.
+/// the least of several rounds, of each the mean; memory is the peak of the first shell above the start: later ones reuse
+/// its pages.
 pub fn child(args: &[&str]) -> Result<(), String> {
     let size = args.first().and_then(|a| Size::GROWTH.get(a.parse::<usize>().ok()?)).ok_or("which size?")?;
     let registry = Arc::new(tenon_nodes::registry());
@@ -118,45 +147,62 @@ pub fn child(args: &[&str]) -> Result<(), String> {
     }
     memory::forget_peak();
     let start = memory::peak();
-    let mut best = [Duration::MAX; STAGES.len()];
     let mut bytes = Vec::new();
-    let mut pack = Duration::MAX;
-    let mut nodes: BTreeMap<String, f64> = BTreeMap::new();
-    let rounds = if args.get(1) == Some(&"memory") { 1 } else { (20_480 / size.panels()).clamp(3, 20) };
-    for round in 0..rounds {
-        let mut clock = Instant::now();
-        let mut session = session(&registry, &graph)?;
-        for (k, (.., target)) in STAGES.into_iter().enumerate() {
-            if k == 1 {
-                let packing = Instant::now();
-                evaluate(&mut session, PACKED)?;
-                pack = pack.min(packing.elapsed());
-            }
-            if k > 0 {
-                memory::forget_peak();
-                clock = Instant::now();
-            }
-            let report = match target {
-                Some(target) => evaluate(&mut session, target)?,
-                None => session.evaluate(&[], &Control::default()),
-            };
-            best[k] = best[k].min(clock.elapsed());
-            if round == 0 {
-                let peak = memory::peak().zip(start).map(|(peak, start)| peak.saturating_sub(start));
-                bytes.push(peak);
-                tell_errors(&report, *size);
-            }
-            for node in report.nodes.iter().filter(|n| !n.time.is_zero()) {
-                let ms = node.time.as_secs_f64() * 1e3;
-                let least = nodes.entry(node.id.to_string()).or_insert(ms);
-                *least = least.min(ms);
-            }
+    let (rounds, shells) =
+        if args.get(1) == Some(&"memory") { (1, 1) } else { (ROUNDS, (ROUND / size.panels()).max(1)) };
+    let mut best: Option<Times> = None;
+    for _ in 0..rounds {
+        let mut round = Times::default();
+        for _ in 0..shells {
+            one(&registry, &graph, *size, start, &mut round, &mut bytes)?;
         }
-        check_count(&mut session, *size)?;
+        round.divide(shells as f64);
+        best = Some(best.map_or(round.clone(), |best| best.least(&round)));
     }
-    let ms = best.map(|t| t.as_secs_f64() * 1e3);
-    println!("{}", json!({ "ms": ms, "pack_ms": pack.as_secs_f64() * 1e3, "nodes": nodes, "bytes": bytes }));
+    let Times { ms, pack_ms, nodes } = best.unwrap_or_default();
+    println!("{}", json!({ "ms": ms, "pack_ms": pack_ms, "nodes": nodes, "bytes": bytes }));
     Ok(())
+}
+
+/// One shell: what it takes is added to the round's; what it takes of memory, once.
+fn one(
+    registry: &Arc<Registry>,
+    graph: &str,
+    size: Size,
+    start: Option<u64>,
+    round: &mut Times,
+    bytes: &mut Vec<Option<u64>>,
+) -> Result<(), String> {
+    let ms = |clock: Instant| clock.elapsed().as_secs_f64() * 1e3;
+    let first = bytes.is_empty();
+    let mut clock = Instant::now();
+    let mut session = session(registry, graph)?;
+    for (k, (.., target)) in STAGES.into_iter().enumerate() {
+        if k == 1 {
+            let packing = Instant::now();
+            evaluate(&mut session, PACKED)?;
+            round.pack_ms += ms(packing);
+        }
+        if k > 0 {
+            if first {
+                memory::forget_peak();
+            }
+            clock = Instant::now();
+        }
+        let report = match target {
+            Some(target) => evaluate(&mut session, target)?,
+            None => session.evaluate(&[], &Control::default()),
+        };
+        round.ms[k] += ms(clock);
+        if first {
+            bytes.push(memory::peak().zip(start).map(|(peak, start)| peak.saturating_sub(start)));
+            tell_errors(&report, size);
+        }
+        for node in report.nodes.iter().filter(|n| !n.time.is_zero()) {
+            *round.nodes.entry(node.id.to_string()).or_default() += node.time.as_secs_f64() * 1e3;
+        }
+    }
+    check_count(&mut session, size)
 }
 
 fn tell_errors(report: &Report, size: Size) {
