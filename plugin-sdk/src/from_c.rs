@@ -1,5 +1,6 @@
 //! C values as safe values: pointers, lengths, sizes, types, texts and offsets are checked before anything is read as
-//! what it is said to be. Arrays that begin in a [`Buffers`] and are as long change hands; others are borrowed.
+//! what it is said to be. Arrays that begin in a [`Buffers`] and are as long change hands, and are not read again; others
+//! are borrowed.
 
 use crate::abi::plugin::*;
 use crate::abi::value::*;
@@ -25,6 +26,8 @@ enum Buffer {
     Plane(Vec<tenon_plane>),
     Edge(Vec<tenon_edge>),
     Address(Vec<tenon_address>),
+    /// It changed hands, and may be gone; it ended before this address.
+    Given(usize),
 }
 
 /// The buffers of one evaluation by address. Most make none, so the map comes with the first.
@@ -63,13 +66,20 @@ impl Buffers {
             TENON_ADDRESSES => make!(Address, tenon_address),
             _ => return None,
         };
-        self.0.get_or_insert_default().insert(at.addr(), buffer);
+        let all = self.0.get_or_insert_default();
+        let range = at.addr()..at.addr() + count * usize::try_from(element_size(element)?).ok()?;
+        // What was given and let go may lie there anew.
+        while let Some((&start, Buffer::Given(end))) = all.range(..range.end).next_back()
+            && *end > range.start
+        {
+            all.remove(&start);
+        }
+        all.insert(range.start, buffer);
         Some(at)
     }
 }
 
 /// Bytes of one element of a buffer; `None`: there is no such element.
-#[cfg(feature = "host")]
 pub(crate) fn element_size(element: tenon_element) -> Option<u64> {
     let size = match element {
         TENON_U8 => 1,
@@ -88,6 +98,7 @@ pub(crate) fn element_size(element: tenon_element) -> Option<u64> {
 /// Element types of buffers.
 trait Element: Pod {
     fn take(buffer: Buffer) -> Result<Vec<Self>, Buffer>;
+    fn keep(v: Vec<Self>) -> Buffer;
 }
 
 macro_rules! elements {
@@ -98,6 +109,9 @@ macro_rules! elements {
                     Buffer::$variant(v) => Ok(v),
                     other => Err(other),
                 }
+            }
+            fn keep(v: Vec<Self>) -> Buffer {
+                Buffer::$variant(v)
             }
         }
     )* };
@@ -207,7 +221,22 @@ impl<'b> Reader<'b> {
     /// An array, taken over if it is a buffer.
     unsafe fn array<'a, T: Element>(&mut self, ptr: *const T, count: u64, what: &'static str) -> Read<Cow<'a, [T]>> {
         // SAFETY: see above.
-        let array = unsafe { self.array_or_buffer(ptr, count, what)? };
+        unsafe { self.array_or_buffer(ptr, count, what, true) }
+    }
+
+    /// An array, taken over if it is a buffer and `take`.
+    unsafe fn array_or_buffer<'a, T: Element>(
+        &mut self,
+        ptr: *const T,
+        count: u64,
+        what: &'static str,
+        take: bool,
+    ) -> Read<Cow<'a, [T]>> {
+        let array = match self.buffer(ptr.addr(), count, what, take)? {
+            Some(v) => Cow::Owned(v),
+            // SAFETY: see above; it lies in no buffer that is gone.
+            None => Cow::Borrowed(unsafe { slice(ptr, count, what)? }),
+        };
         if let Some(arrays) = &mut self.arrays
             && !array.is_empty()
         {
@@ -217,34 +246,30 @@ impl<'b> Reader<'b> {
         Ok(array)
     }
 
-    unsafe fn array_or_buffer<'a, T: Element>(
-        &mut self,
-        ptr: *const T,
-        count: u64,
-        what: &'static str,
-    ) -> Read<Cow<'a, [T]>> {
-        if let Some(buffers) = &mut self.buffers.0
-            && let Some(buffer) = buffers.remove(&ptr.addr())
-        {
-            match T::take(buffer) {
-                Ok(mut v) if count <= v.len() as u64 => {
-                    v.truncate(count as usize);
-                    return Ok(Cow::Owned(v));
-                }
-                Ok(v) => {
-                    return Err(BadValue::Length {
-                        what,
-                        found: count,
-                        hint: if v.is_empty() { "" } else { ": longer than its buffer" },
-                    });
-                }
-                Err(other) => {
-                    buffers.insert(ptr.addr(), other);
-                }
-            }
+    /// The buffer that begins at an address, if it is to be taken; what lies in one that was taken is refused.
+    fn buffer<T: Element>(&mut self, at: usize, count: u64, what: &'static str, take: bool) -> Read<Option<Vec<T>>> {
+        let Some(buffers) = self.buffers.0.as_mut().filter(|_| count > 0) else { return Ok(None) };
+        let Some((start, buffer)) = buffers.range_mut(..=at).next_back() else { return Ok(None) };
+        match buffer {
+            Buffer::Given(end) if at < *end => return Err(BadValue::Shared),
+            _ if *start != at => return Ok(None),
+            _ => {}
         }
-        // SAFETY: see above.
-        unsafe { slice(ptr, count, what).map(Cow::Borrowed) }
+        let mut v = match T::take(std::mem::replace(buffer, Buffer::Given(at))) {
+            Ok(v) => v,
+            Err(other) => {
+                *buffer = other;
+                return Ok(None);
+            }
+        };
+        let fits = count <= v.len() as u64;
+        if fits && take {
+            *buffer = Buffer::Given(at + v.len() * size_of::<T>());
+            v.truncate(count as usize);
+            return Ok(Some(v));
+        }
+        *buffer = T::keep(v);
+        if fits { Ok(None) } else { Err(BadValue::Length { what, found: count, hint: ": longer than its buffer" }) }
     }
 
     /// A tree.
@@ -483,13 +508,13 @@ impl<'b> Reader<'b> {
         Ok(table)
     }
 
-    /// Which items of a column are there.
+    /// Which items of a column are there. A buffer is not taken over, so that one may serve many columns.
     unsafe fn valid<'a>(&mut self, c: &tenon_column) -> Read<Option<Cow<'a, [bool]>>> {
         if c.valid.is_null() {
             return Ok(None);
         }
         // SAFETY: see above.
-        unsafe { self.array(c.valid, c.count, "valid") }.map(|valid| Some(truths(valid)))
+        unsafe { self.array_or_buffer(c.valid, c.count, "valid", false) }.map(|valid| Some(truths(valid)))
     }
 
     unsafe fn file<'a>(&mut self, f: &tenon_file) -> Read<File<'a>> {

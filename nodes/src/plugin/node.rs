@@ -451,7 +451,13 @@ mod tests {
         for (name, column) in &made {
             let arrays_at = |port: String| arrays(&exchange::branches(&session.value(&port).unwrap()));
             assert_eq!(arrays_at(format!("a.{name}")), seen[*name][0], "an input was copied");
-            assert_eq!(arrays_at(format!("b.{name}")), seen[*name][1], "an output was copied");
+            // What says which items are there may serve many outputs, so it is copied: one byte per item.
+            let given = |mut all: Vec<(&'static str, usize)>| {
+                all.retain(|(what, _)| *what != "attribute.valid");
+                all
+            };
+            let come = arrays_at(format!("b.{name}"));
+            assert_eq!(given(come), given(seen[*name][1].clone()), "an output was copied");
             assert_ne!(seen[*name][0], seen[*name][1]);
             assert_eq!(session.value(&format!("b.{name}")).unwrap().branches()[0].1, *column);
         }

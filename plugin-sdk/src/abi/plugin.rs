@@ -117,13 +117,13 @@ pub struct tenon_call {
     /// not UTF-8, which is told as the plugin's fault. [thread of evaluate]
     pub tell: unsafe extern "C" fn(call: *const tenon_call, message: *const tenon_message) -> tenon_status,
     /// Memory of the host for `count` elements, zeroed, which may stand in any array of a value given to `set`: what
-    /// begins in a buffer and is as long as it goes over to the host without a copy, and must not be written after
-    /// that. It is the host's, which frees it, also if it was not given to `set`, after evaluate has returned. NULL: there
+    /// begins in a buffer and is as long as it goes over to the host without a copy, and must not be written or given
+    /// after that. `valid` alone is copied, so that one may stand in any number of columns and outputs. It is the host's, which frees it, also if it was not given to `set`, after evaluate has returned. NULL: there
     /// is no memory, or no such element. [thread of evaluate]
     pub buffer: unsafe extern "C" fn(call: *const tenon_call, element: tenon_element, count: u64) -> *mut c_void,
     /// Sets an output. Arrays that are not buffers are copied before it returns. Fails if the output is not there, the
     /// type is another than declared, or the value has faults: lengths, indices, texts that are not UTF-8, a buffer given
-    /// twice: `TENON_BAD_TYPE`, told as the plugin's fault. Set twice, the last counts. [thread of evaluate]
+    /// twice, in one output or in two: `TENON_BAD_TYPE`, told as the plugin's fault. Set twice, the last counts. [thread of evaluate]
     pub set: unsafe extern "C" fn(call: *const tenon_call, output: u32, value: *const tenon_tree) -> tenon_status,
     /// Sets an output to what arrived at an input, as it is: nothing is copied. Both by their index in the descriptor (for
     /// a fastener, as evaluate counts them). `TENON_BAD_ARGUMENT` if one of them is not there or their types differ, told

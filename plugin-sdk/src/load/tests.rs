@@ -375,6 +375,91 @@ fn a_buffer_can_be_given_once() {
     assert_eq!(ended, Err(EvaluateError::Fault("output 0: two arrays share memory of one buffer".into())));
 }
 
+/// Columns of `set`, one branch each, by their raw pointers: as a plugin in C gives them.
+fn set_raw(call: *const tenon_call, output: u32, kind: tenon_kind, items: *const c_void, valid: *const u8) -> i32 {
+    let stride = if kind == TENON_BOOLEAN { 1 } else { 8 };
+    let column = tenon_column {
+        size: size_of::<tenon_column>() as u32,
+        kind,
+        type_name: tenon_str::of(""),
+        items,
+        count: 3,
+        stride,
+        valid,
+    };
+    let branch = tenon_branch { path: std::ptr::null(), path_count: 0, column };
+    let (size, branch_stride) = (size_of::<tenon_tree>() as u32, size_of::<tenon_branch>() as u32);
+    let tree = tenon_tree { size, branch_stride, branches: &raw const branch, branch_count: 1 };
+    // SAFETY: the call is under way, and the value lives through it.
+    unsafe { ((*call).set)(call, output, &raw const tree) }
+}
+
+fn buffer_raw(call: *const tenon_call, element: tenon_element) -> *mut c_void {
+    // SAFETY: the call is under way.
+    unsafe { ((*call).buffer)(call, element, 3) }
+}
+
+fn run_raw(
+    evaluate: unsafe extern "C" fn(*mut c_void, *const tenon_call, *const tenon_tree, u32) -> i32,
+) -> (Result<(), EvaluateError>, Vec<String>) {
+    let mut plugin = loaded(author::Port::number);
+    plugin.nodes[0].body = Body::Here { evaluate, migrate: None, data: std::ptr::null_mut() };
+    let mut came = Came::default();
+    (plugin.nodes[0].evaluate(&[Vec::new()], QUIET, &mut came), came.0)
+}
+
+#[test]
+fn one_valid_serves_many_outputs() {
+    unsafe extern "C" fn evaluate(_: *mut c_void, call: *const tenon_call, _: *const tenon_tree, _: u32) -> i32 {
+        let valid = buffer_raw(call, TENON_U8).cast::<u8>();
+        // SAFETY: three bytes of the host.
+        unsafe { valid.copy_from([1_u8, 0, 1].as_ptr(), 3) };
+        (0..2)
+            .map(|output| set_raw(call, output, TENON_NUMBER, buffer_raw(call, TENON_F64), valid))
+            .find(|status| *status != TENON_OK)
+            .unwrap_or(TENON_OK)
+    }
+    let (ended, came) = run_raw(evaluate);
+    assert_eq!(ended, Ok(()));
+    assert_eq!(came.len(), 2);
+    assert!(came.iter().all(|c| c.contains("[true, false, true]")), "{came:?}");
+}
+
+#[test]
+fn a_buffer_of_two_outputs_is_refused_and_not_read_again() {
+    unsafe extern "C" fn numbers(_: *mut c_void, call: *const tenon_call, _: *const tenon_tree, _: u32) -> i32 {
+        let buffer = buffer_raw(call, TENON_F64);
+        let none = std::ptr::null();
+        assert_eq!(set_raw(call, 0, TENON_NUMBER, buffer, none), TENON_OK);
+        // The whole of it, and from its middle.
+        assert_eq!(set_raw(call, 1, TENON_NUMBER, buffer, none), TENON_BAD_TYPE);
+        assert_eq!(set_raw(call, 1, TENON_NUMBER, buffer.wrapping_byte_add(8), none), TENON_BAD_TYPE);
+        TENON_OK
+    }
+    unsafe extern "C" fn truths(_: *mut c_void, call: *const tenon_call, _: *const tenon_tree, _: u32) -> i32 {
+        let buffer = buffer_raw(call, TENON_U8);
+        assert_eq!(set_raw(call, 0, TENON_BOOLEAN, buffer, std::ptr::null()), TENON_OK);
+        assert_eq!(set_raw(call, 1, TENON_NUMBER, buffer_raw(call, TENON_F64), buffer.cast()), TENON_BAD_TYPE);
+        TENON_OK
+    }
+    for evaluate in [numbers, truths] as [unsafe extern "C" fn(_, _, _, _) -> i32; 2] {
+        let (ended, came) = run_raw(evaluate);
+        assert_eq!(ended, Err(EvaluateError::Fault("output 1: two arrays share memory of one buffer".into())));
+        assert_eq!(came.len(), 1, "{came:?}");
+    }
+}
+
+/// What was given is let go by the host at once here, so that its place may be that of the next.
+#[test]
+fn the_place_of_a_buffer_that_is_gone_may_be_that_of_another() {
+    unsafe extern "C" fn evaluate(_: *mut c_void, call: *const tenon_call, _: *const tenon_tree, _: u32) -> i32 {
+        let set = |_| set_raw(call, 0, TENON_NUMBER, buffer_raw(call, TENON_F64), std::ptr::null());
+        (0..100).map(set).find(|status| *status != TENON_OK).unwrap_or(TENON_OK)
+    }
+    let (ended, came) = run_raw(evaluate);
+    assert_eq!((ended, came.len()), (Ok(()), 100));
+}
+
 /// Takes whatever comes.
 struct Deaf;
 
