@@ -2,6 +2,7 @@
 //
 // A plugin exports one symbol:
 //     TENON_EXPORT const tenon_plugin *tenon_plugin_v1(void);
+// It is declared at the end of this file, in C++ as a plain symbol.
 // Rules
 // - Every struct begins with its size, set by its maker to sizeof at its compile time. Structs grow at the end only.
 // - Descriptors stay as they are while the library is loaded, and it is loaded for ever.
@@ -107,7 +108,8 @@ typedef struct tenon_message {
 } tenon_message;
 
 // One evaluation, given to `evaluate` and good until it returns. Its functions are called from the thread that
-// `evaluate` runs on, except `cancelled`, which any thread may call meanwhile.
+// `evaluate` runs on, except `cancelled`, which any thread may call meanwhile. On another thread `tell`, `set` and
+// `forward` give `TENON_BAD_ARGUMENT` and `buffer` NULL; `progress` does nothing.
 typedef struct tenon_call {
   // Bytes of this struct as the host knows it.
   uint32_t size;
@@ -121,9 +123,10 @@ typedef struct tenon_call {
   // Tells the fraction done, 0 to 1, as often as it is known; it should not fall. What is not finite is not heard, and
   // it cannot fail. [thread of evaluate]
   void (*progress)(const struct tenon_call *call, double fraction);
-  // Says something about the input. An error without `TENON_FAILED` as the result means that part is missing. The
-  // message stays the plugin's; its texts are copied before this returns. `TENON_BAD_ARGUMENT` if it is NULL, short or
-  // not UTF-8, which is told as the plugin's fault. [thread of evaluate]
+  // Says something about the input. An error without `TENON_FAILED` as the result means that part is missing. Notes
+  // (`TENON_NOTE`) are the log: a plugin has no other. The message stays the plugin's; its texts are copied before this
+  // returns. `TENON_BAD_ARGUMENT` if it is NULL, short or not UTF-8, which is told as the plugin's fault.
+  // [thread of evaluate]
   tenon_status (*tell)(const struct tenon_call *call, const struct tenon_message *message);
   // Memory of the host for `count` elements, zeroed, which may stand in any array of a value given to `set`: what
   // begins in a buffer and is as long as it goes over to the host without a copy, and must not be written or given
@@ -132,7 +135,8 @@ typedef struct tenon_call {
   void *(*buffer)(const struct tenon_call *call, tenon_element element, uint64_t count);
   // Sets an output. Arrays that are not buffers are copied before it returns. Fails if the output is not there, the
   // type is another than declared, or the value has faults: lengths, indices, texts that are not UTF-8, a buffer given
-  // twice, in one output or in two: `TENON_BAD_TYPE`, told as the plugin's fault. Set twice, the last counts. [thread of evaluate]
+  // twice, in one output or in two: `TENON_BAD_TYPE`, told as the plugin's fault. Set twice, the last counts.
+  // [thread of evaluate]
   tenon_status (*set)(const struct tenon_call *call, uint32_t output, const tenon_tree *value);
   // Sets an output to what arrived at an input, as it is: nothing is copied. Both by their index in the descriptor (for
   // a fastener, as evaluate counts them). `TENON_BAD_ARGUMENT` if one of them is not there or their types differ, told
@@ -175,9 +179,10 @@ typedef struct tenon_node_type {
   // The plugin's, given back to `evaluate`; may be NULL. It must be fit to be used by many threads at once.
   void *data;
   // Computes the outputs. Called by any thread, by several at once. Inputs are read-only and good until it returns.
-  // Gives `TENON_OK`, `TENON_CANCELLED`, or `TENON_FAILED` after telling why. The same inputs must give the same
-  // outputs, byte for byte. Inputs and `call` are the host's, `data` the plugin's. Any other status, and a function of
-  // `call` used by another thread, are told as the plugin's fault. [any thread]
+  // Gives `TENON_OK`, `TENON_CANCELLED`, `TENON_FAILED` after telling why, or `TENON_NO_MEMORY`, for which the host
+  // itself tells an error. The same inputs must give the same outputs, byte for byte. Inputs and `call` are the host's,
+  // `data` the plugin's. Any other status, and a function of `call` used by another thread, are told as the plugin's
+  // fault. [any thread]
   //
   // For a fastener, `inputs[0]` is the panel set (`TENON_PANELS`), `inputs[1]` the edges selected for it
   // (`TENON_EDGES`, each once, in order), `inputs[2]` the face that lies up on the machine (`TENON_TEXT`: "front" or
@@ -303,5 +308,16 @@ typedef const struct tenon_plugin *(*tenon_plugin_entry)(void);
 
 // `tenon_address`.
 #define TENON_ADDRESSES 8
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// The one symbol that a plugin exports and defines; see `tenon_plugin_entry`. [any thread]
+TENON_EXPORT const tenon_plugin *tenon_plugin_v1(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif  /* TENON_PLUGIN_H */

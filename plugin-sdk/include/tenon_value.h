@@ -80,8 +80,6 @@ typedef struct tenon_edge {
   // Edge index in the panel, from 0.
   uint32_t edge;
 } tenon_edge;
-// No edge.
-#define tenon_edge_NONE (tenon_edge){ .panel = TENON_NONE, .edge = TENON_NONE }
 
 // A curve: one polyline, or several strips.
 typedef struct tenon_curve {
@@ -250,7 +248,8 @@ typedef struct tenon_column {
   tenon_kind kind;
   // Name of the type in graph files.
   struct tenon_str type_name;
-  // The items, `stride` bytes apart; NULL if there are none or the kind is `TENON_OPAQUE`.
+  // The items, `stride` bytes apart; NULL if there are none or the kind is `TENON_OPAQUE`. What stands in a gap means
+  // nothing, but lengths and pointers in it must be good.
   const void *items;
   // Number of items, gaps included.
   uint64_t count;

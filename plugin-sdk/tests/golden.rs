@@ -1,7 +1,8 @@
 //! What the tests of all our headers share: files that are what the source says, and where the fields of structs lie.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Fails unless the file at `place` is `text`; with `TENON_WRITE_HEADERS` it is made so first.
@@ -31,7 +32,6 @@ fn field(line: &str) -> Option<(&str, &str)> {
 }
 
 /// A line of a header that tells of structs.
-#[allow(dead_code, reason = "not every crate that includes this file reads all of it")]
 pub enum Line<'a> {
     /// A struct of that name begins.
     Struct(&'a str),
@@ -118,4 +118,99 @@ pub fn only_grew(older: &Path, today: &Path) -> usize {
         assert!(if field.is_some() { is == was } else { is >= was }, "{of} {field:?}: {was} became {is}");
     }
     older.len()
+}
+
+/// Our name of a target that no test runs on, and clang's.
+pub const TARGETS: [(&str, &str); 4] = [
+    ("aarch64-linux", "aarch64-unknown-linux-gnu"),
+    ("aarch64-macos", "aarch64-apple-macos11"),
+    ("x86_64-macos", "x86_64-apple-macos11"),
+    ("x86_64-windows", "x86_64-pc-windows-msvc"),
+];
+
+/// Every struct and field of headers as [`measured`] has them, worked out by the rules that all our targets share: pointers
+/// of 8 bytes, every field at a multiple of its own alignment. Those of `known`, which they include, are left out.
+pub fn worked_out(known: &[PathBuf], headers: &[PathBuf]) -> String {
+    let numbers = [
+        ("uint8_t", 1),
+        ("uint32_t", 4),
+        ("int32_t", 4),
+        ("uint64_t", 8),
+        ("int64_t", 8),
+        ("float", 4),
+        ("double", 8),
+        ("*", 8),
+    ];
+    // Size and alignment by type.
+    let mut types: BTreeMap<String, (u64, u64)> =
+        numbers.iter().map(|(n, size)| ((*n).to_owned(), (*size, *size))).collect();
+    let mut out = String::new();
+    for header in known.iter().chain(headers) {
+        if header == &headers[0] {
+            out.clear();
+        }
+        let text = std::fs::read_to_string(header).unwrap();
+        let (mut of, mut fields, mut end, mut most) = ("", String::new(), 0_u64, 1);
+        for line in lines(&text) {
+            match line {
+                Line::Struct(name) => (of, fields, end, most) = (name, String::new(), 0, 1),
+                Line::End => {
+                    let size = end.next_multiple_of(most);
+                    write!(out, "{of} {size}\n{fields}").unwrap();
+                    types.insert(of.to_owned(), (size, most));
+                }
+                Line::Field(name, kind) => {
+                    let (size, align) = *types.get(kind).unwrap_or_else(|| panic!("{of}.{name} is a {kind}"));
+                    let at = end.next_multiple_of(align);
+                    writeln!(fields, "  {name} {at}").unwrap();
+                    (end, most) = (at + size, most.max(align));
+                }
+                Line::Other(line) => {
+                    let alias = line.strip_prefix("typedef ").and_then(|r| r.strip_suffix(';')?.split_once(' '));
+                    let function = line.split_once("(*").and_then(|(_, rest)| rest.split(')').next());
+                    types.extend(function.map(|name| (name.to_owned(), (8, 8))));
+                    let known = alias.and_then(|(kind, name)| Some((name, *types.get(kind)?)));
+                    types.extend(known.map(|(name, known)| (name.to_owned(), known)));
+                }
+            }
+        }
+    }
+    out
+}
+
+/// The same as assertions about a header, for a compiler.
+fn assertions(layout: &str, header: &str) -> String {
+    let (mut out, mut name) = (format!("#include <stddef.h>\n#include \"{header}\"\n"), "");
+    for line in layout.lines() {
+        let (what, number) = line.trim().split_once(' ').unwrap();
+        let place = if line.starts_with(' ') { format!("offsetof({name}, {what})") } else { format!("sizeof({what})") };
+        name = if line.starts_with(' ') { name } else { what };
+        writeln!(out, "_Static_assert({place} == {number}, \"{name} {what}\");").unwrap();
+    }
+    out
+}
+
+/// Fails unless a layout that was worked out is what the compiler says here (`layout-x86_64-linux.txt` in `snapshots`), what
+/// the snapshot of each other target says, and, where there is clang, what that says for each.
+#[track_caller]
+pub fn same_elsewhere(layout: &str, header: &str, folders: &[&Path], snapshots: &Path) {
+    assert_eq!(layout, std::fs::read_to_string(snapshots.join("layout-x86_64-linux.txt")).unwrap());
+    let source = Path::new(env!("CARGO_TARGET_TMPDIR")).join("layout-elsewhere.c");
+    std::fs::write(&source, assertions(layout, header)).unwrap();
+    let accepts = |compiler: &str, more: &[String]| {
+        let mut command = Command::new(compiler);
+        command.args(["-std=c11", "-ffreestanding", "-fsyntax-only"]).args(more);
+        for folder in folders {
+            command.arg("-I").arg(folder);
+        }
+        command.arg(&source).output()
+    };
+    let done = accepts("cc", &[]).unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    for (target, triple) in TARGETS {
+        compare(&snapshots.join(format!("layout-{target}.txt")), layout);
+        if let Ok(done) = accepts("clang", &[format!("--target={triple}")]) {
+            assert!(done.status.success(), "{target}: {}", String::from_utf8_lossy(&done.stderr));
+        }
+    }
 }

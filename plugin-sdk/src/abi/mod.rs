@@ -5,3 +5,9 @@
 pub mod layout;
 pub mod plugin;
 pub mod value;
+
+// Not where the headers are made from: in C++ it would be no constant.
+impl value::tenon_edge {
+    /// No edge.
+    pub const NONE: Self = Self { panel: value::TENON_NONE, edge: value::TENON_NONE };
+}

@@ -97,7 +97,8 @@ pub const TENON_EDGE_REFS: tenon_element = 7;
 pub const TENON_ADDRESSES: tenon_element = 8;
 
 /// One evaluation, given to `evaluate` and good until it returns. Its functions are called from the thread that
-/// `evaluate` runs on, except `cancelled`, which any thread may call meanwhile.
+/// `evaluate` runs on, except `cancelled`, which any thread may call meanwhile. On another thread `tell`, `set` and
+/// `forward` give `TENON_BAD_ARGUMENT` and `buffer` NULL; `progress` does nothing.
 #[repr(C)]
 pub struct tenon_call {
     /// Bytes of this struct as the host knows it.
@@ -112,9 +113,10 @@ pub struct tenon_call {
     /// Tells the fraction done, 0 to 1, as often as it is known; it should not fall. What is not finite is not heard, and
     /// it cannot fail. [thread of evaluate]
     pub progress: unsafe extern "C" fn(call: *const tenon_call, fraction: f64),
-    /// Says something about the input. An error without `TENON_FAILED` as the result means that part is missing. The
-    /// message stays the plugin's; its texts are copied before this returns. `TENON_BAD_ARGUMENT` if it is NULL, short or
-    /// not UTF-8, which is told as the plugin's fault. [thread of evaluate]
+    /// Says something about the input. An error without `TENON_FAILED` as the result means that part is missing. Notes
+    /// (`TENON_NOTE`) are the log: a plugin has no other. The message stays the plugin's; its texts are copied before this
+    /// returns. `TENON_BAD_ARGUMENT` if it is NULL, short or not UTF-8, which is told as the plugin's fault.
+    /// [thread of evaluate]
     pub tell: unsafe extern "C" fn(call: *const tenon_call, message: *const tenon_message) -> tenon_status,
     /// Memory of the host for `count` elements, zeroed, which may stand in any array of a value given to `set`: what
     /// begins in a buffer and is as long as it goes over to the host without a copy, and must not be written or given
@@ -123,7 +125,8 @@ pub struct tenon_call {
     pub buffer: unsafe extern "C" fn(call: *const tenon_call, element: tenon_element, count: u64) -> *mut c_void,
     /// Sets an output. Arrays that are not buffers are copied before it returns. Fails if the output is not there, the
     /// type is another than declared, or the value has faults: lengths, indices, texts that are not UTF-8, a buffer given
-    /// twice, in one output or in two: `TENON_BAD_TYPE`, told as the plugin's fault. Set twice, the last counts. [thread of evaluate]
+    /// twice, in one output or in two: `TENON_BAD_TYPE`, told as the plugin's fault. Set twice, the last counts.
+    /// [thread of evaluate]
     pub set: unsafe extern "C" fn(call: *const tenon_call, output: u32, value: *const tenon_tree) -> tenon_status,
     /// Sets an output to what arrived at an input, as it is: nothing is copied. Both by their index in the descriptor (for
     /// a fastener, as evaluate counts them). `TENON_BAD_ARGUMENT` if one of them is not there or their types differ, told
@@ -175,9 +178,10 @@ pub struct tenon_node_type {
     /// The plugin's, given back to `evaluate`; may be NULL. It must be fit to be used by many threads at once.
     pub data: *mut c_void,
     /// Computes the outputs. Called by any thread, by several at once. Inputs are read-only and good until it returns.
-    /// Gives `TENON_OK`, `TENON_CANCELLED`, or `TENON_FAILED` after telling why. The same inputs must give the same
-    /// outputs, byte for byte. Inputs and `call` are the host's, `data` the plugin's. Any other status, and a function of
-    /// `call` used by another thread, are told as the plugin's fault. [any thread]
+    /// Gives `TENON_OK`, `TENON_CANCELLED`, `TENON_FAILED` after telling why, or `TENON_NO_MEMORY`, for which the host
+    /// itself tells an error. The same inputs must give the same outputs, byte for byte. Inputs and `call` are the host's,
+    /// `data` the plugin's. Any other status, and a function of `call` used by another thread, are told as the plugin's
+    /// fault. [any thread]
     ///
     /// For a fastener, `inputs[0]` is the panel set (`TENON_PANELS`), `inputs[1]` the edges selected for it
     /// (`TENON_EDGES`, each once, in order), `inputs[2]` the face that lies up on the machine (`TENON_TEXT`: "front" or

@@ -349,7 +349,8 @@ pub struct tenon_column {
     pub kind: tenon_kind,
     /// Name of the type in graph files.
     pub type_name: tenon_str,
-    /// The items, `stride` bytes apart; NULL if there are none or the kind is `TENON_OPAQUE`.
+    /// The items, `stride` bytes apart; NULL if there are none or the kind is `TENON_OPAQUE`. What stands in a gap means
+    /// nothing, but lengths and pointers in it must be good.
     pub items: *const c_void,
     /// Number of items, gaps included.
     pub count: u64,
@@ -418,9 +419,4 @@ impl tenon_str {
     pub const fn of(text: &str) -> Self {
         Self { ptr: text.as_ptr().cast(), len: text.len() as u64 }
     }
-}
-
-impl tenon_edge {
-    /// No edge.
-    pub const NONE: Self = Self { panel: TENON_NONE, edge: TENON_NONE };
 }

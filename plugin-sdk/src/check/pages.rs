@@ -33,7 +33,7 @@ mod guarded {
     use std::ffi::c_void;
     use std::mem::MaybeUninit;
     use std::ptr::null_mut;
-    use std::sync::atomic::{AtomicBool, AtomicPtr, Ordering};
+    use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU32, Ordering};
     use std::sync::{Mutex, MutexGuard, PoisonError};
 
     /// One array's pages.
@@ -43,8 +43,8 @@ mod guarded {
         open: usize,
         /// All bytes, the page behind included.
         length: usize,
-        /// The plugin did what it must not, and may go on since.
-        forced: AtomicBool,
+        /// How often the plugin did what it must not; it may go on since the first time.
+        forced: AtomicU32,
         next: *const Mapping,
     }
 
@@ -52,6 +52,11 @@ mod guarded {
     static NEWEST: AtomicPtr<Mapping> = AtomicPtr::new(null_mut());
     static WRITTEN: AtomicBool = AtomicBool::new(false);
     static PASSED: AtomicBool = AtomicBool::new(false);
+    /// What handled each signal before; null while there are no pages.
+    static BEFORE: [AtomicPtr<libc::sigaction>; 2] = [const { AtomicPtr::new(null_mut()) }; 2];
+    /// Threads that may meet one array at the same moment, each with a signal of its own. Beyond that it is a fault that
+    /// comes again and again.
+    const AT_ONCE: u32 = 64;
     /// Signals have one handler in a process, so there are pages for one evaluation at a time.
     static TURN: Mutex<()> = Mutex::new(());
 
@@ -64,7 +69,7 @@ mod guarded {
         page: usize,
         /// Each of a box, which the handler knows too.
         mappings: Vec<*mut Mapping>,
-        before: [libc::sigaction; 2],
+        before: Box<[libc::sigaction; 2]>,
         _turn: MutexGuard<'static, ()>,
     }
 
@@ -76,7 +81,7 @@ mod guarded {
         // SAFETY: mappings are taken off the list before they go, and what leads to the next never changes.
         while let Some(mapping) = unsafe { at.as_ref() } {
             let inside = address.wrapping_sub(mapping.start);
-            if inside < mapping.length && !mapping.forced.swap(true, Ordering::Relaxed) {
+            if inside < mapping.length && mapping.forced.fetch_add(1, Ordering::Relaxed) < AT_ONCE {
                 let flag = if inside < mapping.open { &WRITTEN } else { &PASSED };
                 flag.store(true, Ordering::Relaxed);
                 let (start, all) = (std::ptr::with_exposed_provenance_mut(mapping.start), mapping.length);
@@ -87,9 +92,16 @@ mod guarded {
             }
             at = mapping.next;
         }
-        // Somebody else's: it is met again when this returns, and then ends the process.
-        // SAFETY: the system's own handling, by its name.
-        unsafe { libc::signal(signal, libc::SIG_DFL) };
+        // Somebody else's: it is met again when this returns, by whoever handled it before.
+        let known = SIGNALS.iter().position(|s| *s == signal);
+        let before = known.map_or(null_mut(), |i| BEFORE[i].load(Ordering::Acquire));
+        if before.is_null() {
+            // SAFETY: the system's own handling, by its name.
+            unsafe { libc::signal(signal, libc::SIG_DFL) };
+        } else {
+            // SAFETY: an action that the system gave, which is there as long as the pages are.
+            unsafe { libc::sigaction(signal, before, null_mut()) };
+        }
     }
 
     impl Pages {
@@ -98,7 +110,7 @@ mod guarded {
             let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
             WRITTEN.store(false, Ordering::Relaxed);
             PASSED.store(false, Ordering::Relaxed);
-            let before = SIGNALS.map(|signal| {
+            let before = Box::new(SIGNALS.map(|signal| {
                 let mut before = MaybeUninit::<libc::sigaction>::zeroed();
                 // SAFETY: zeros are an action, and the handler has the form that SA_SIGINFO asks for.
                 unsafe {
@@ -109,7 +121,10 @@ mod guarded {
                     libc::sigaction(signal, &raw const action, before.as_mut_ptr());
                     before.assume_init()
                 }
-            });
+            }));
+            for (place, before) in BEFORE.iter().zip(&*before) {
+                place.store(std::ptr::from_ref(before).cast_mut(), Ordering::Release);
+            }
             // SAFETY: it takes a number only.
             let page = usize::try_from(unsafe { libc::sysconf(libc::_SC_PAGESIZE) }).unwrap_or(4096);
             Self { behind, page, mappings: Vec::new(), before, _turn: turn }
@@ -152,13 +167,14 @@ mod guarded {
             let at = unsafe {
                 let at = start.cast::<u8>().add(skip);
                 at.copy_from_nonoverlapping(from, bytes);
-                libc::mprotect(start, open, libc::PROT_READ);
-                libc::mprotect(start.byte_add(open), length - open, libc::PROT_NONE);
+                let closed = libc::mprotect(start, open, libc::PROT_READ) == 0
+                    && (length == open || libc::mprotect(start.byte_add(open), length - open, libc::PROT_NONE) == 0);
+                assert!(closed, "the system does not close pages: {}", std::io::Error::last_os_error());
                 at
             };
             let start = start.expose_provenance();
             let next = NEWEST.load(Ordering::Relaxed);
-            let mapping = Mapping { start, open, length, forced: AtomicBool::new(false), next };
+            let mapping = Mapping { start, open, length, forced: AtomicU32::new(0), next };
             let mapping = Box::into_raw(Box::new(mapping));
             NEWEST.store(mapping, Ordering::Release);
             (at, mapping)
@@ -172,10 +188,11 @@ mod guarded {
 
     impl Drop for Pages {
         fn drop(&mut self) {
-            for (signal, before) in SIGNALS.iter().zip(&self.before) {
+            for (signal, before) in SIGNALS.iter().zip(&*self.before) {
                 // SAFETY: what the system gave.
                 unsafe { libc::sigaction(*signal, before, null_mut()) };
             }
+            BEFORE.iter().for_each(|place| place.store(null_mut(), Ordering::Release));
             NEWEST.store(null_mut(), Ordering::Release);
             for mapping in &self.mappings {
                 // SAFETY: our own box, and our own pages, which nobody may look at any more.
@@ -257,6 +274,65 @@ mod tests {
         assert_eq!(pages.touched(), Touched { written: true, passed: false });
         drop(pages);
         assert_eq!(Pages::new(Behind::Zeros).touched(), Touched::default());
+    }
+
+    /// Each gets a signal of its own if none was handled before the others met theirs.
+    #[test]
+    fn many_threads_may_touch_one_array_at_once() {
+        struct At(*mut u8);
+        // SAFETY: memory that any thread may touch.
+        unsafe impl Sync for At {}
+        for _ in 0..200 {
+            let mut pages = Pages::new(Behind::Zeros);
+            let at = At(lend(&mut pages, &[0; 64]).cast_mut());
+            let (at, ready) = (&at, std::sync::Barrier::new(8));
+            std::thread::scope(|scope| {
+                for i in 0..8 {
+                    let ready = &ready;
+                    scope.spawn(move || {
+                        ready.wait();
+                        // SAFETY: lent above; that it cannot be written to is what is tried.
+                        unsafe { at.0.add(i).write_volatile(1) };
+                    });
+                }
+            });
+            assert_eq!(pages.touched(), Touched { written: true, passed: false });
+        }
+    }
+
+    /// A fault elsewhere goes to whoever handled such before. In a process of its own: handlers are those of all tests.
+    #[test]
+    fn the_faults_of_others_are_handled_as_before() {
+        use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
+        static ELSEWHERE: AtomicPtr<libc::c_void> = AtomicPtr::new(std::ptr::null_mut());
+        static HEARD: AtomicUsize = AtomicUsize::new(0);
+        extern "C" fn open(_: libc::c_int) {
+            HEARD.fetch_add(1, Ordering::Relaxed);
+            // SAFETY: a page of this test.
+            unsafe { libc::mprotect(ELSEWHERE.load(Ordering::Relaxed), 1, libc::PROT_READ | libc::PROT_WRITE) };
+        }
+        if std::env::var_os("TENON_TEST_FAULTS").is_none() {
+            let child = std::process::Command::new(std::env::current_exe().unwrap())
+                .args(["--exact", "check::pages::tests::the_faults_of_others_are_handled_as_before"])
+                .env("TENON_TEST_FAULTS", "1")
+                .output()
+                .unwrap();
+            let told = String::from_utf8_lossy(&child.stdout);
+            assert!(child.status.success() && told.contains("1 passed"), "{child:?}");
+            return;
+        }
+        // SAFETY: a fresh page, and a handler of the form that the system asks for.
+        unsafe {
+            let page = libc::mmap(std::ptr::null_mut(), 1, libc::PROT_NONE, libc::MAP_PRIVATE | libc::MAP_ANON, -1, 0);
+            assert_ne!(page, libc::MAP_FAILED);
+            ELSEWHERE.store(page, Ordering::Relaxed);
+            for signal in [libc::SIGSEGV, libc::SIGBUS] {
+                libc::signal(signal, open as extern "C" fn(libc::c_int) as usize);
+            }
+            let pages = Pages::new(Behind::Zeros);
+            page.cast::<u8>().write_volatile(1);
+            assert_eq!((HEARD.load(Ordering::Relaxed), pages.touched()), (1, Touched::default()));
+        }
     }
 
     #[test]

@@ -331,6 +331,12 @@ impl Running<'_> {
             (_, Some(fault)) => EvaluateError::Fault(fault),
             (TENON_CANCELLED, None) => EvaluateError::Fault("it gave up although nobody asked it to".into()),
             (TENON_FAILED, None) => EvaluateError::Failed,
+            (TENON_NO_MEMORY, None) => {
+                let message = "there is no memory".to_owned();
+                let (severity, code, hint) = (TENON_ERROR, "no-memory".to_owned(), None);
+                self.own.get_mut().sink.tell(Message { severity, code, message, hint, port: None, item: None });
+                EvaluateError::Failed
+            }
             (other, None) => EvaluateError::Fault(format!("evaluate gave the status {other}")),
         }
     }

@@ -460,6 +460,57 @@ fn the_place_of_a_buffer_that_is_gone_may_be_that_of_another() {
     assert_eq!((ended, came.len()), (Ok(()), 100));
 }
 
+#[test]
+fn without_memory_is_an_error_that_the_host_tells() {
+    unsafe extern "C" fn evaluate(_: *mut c_void, _: *const tenon_call, _: *const tenon_tree, _: u32) -> i32 {
+        TENON_NO_MEMORY
+    }
+    let (ended, came) = run_raw(evaluate);
+    assert_eq!((ended, came), (Err(EvaluateError::Failed), vec!["no-memory at None None".to_owned()]));
+}
+
+#[test]
+fn a_panic_of_a_plugin_in_rust_is_the_nodes_error() {
+    #[derive(Default)]
+    struct Words(String);
+    impl Sink for Words {
+        fn set(&mut self, _: u32, _: Vec<Branch<'_>>) -> Result<(), String> {
+            Ok(())
+        }
+        fn forward(&mut self, _: u32, _: u32) -> Result<(), String> {
+            Ok(())
+        }
+        fn tell(&mut self, message: Message) {
+            self.0 = format!("{}: {}", message.code, message.message);
+        }
+    }
+    let step = |_: u32, _: &str| -> Result<String, String> { panic!("no step") };
+    let plugin = of(number_node().migrate(0, step).run(|_| panic!("no {}", "run"))).unwrap();
+    let mut words = Words::default();
+    let ended = plugin.nodes[0].evaluate(&[vec![Branch::root(Items::Number(vec![5.0].into()))]], QUIET, &mut words);
+    assert_eq!(ended, Err(EvaluateError::Failed));
+    assert_eq!(words.0, "plugin-panic: the plugin has a fault: no run");
+    assert_eq!(plugin.nodes[0].migrate(0, "{}"), Err("the plugin has a fault: no step".into()));
+}
+
+mod panics {
+    crate::export!(made);
+    fn made() -> crate::author::Plugin {
+        panic!("no plugin")
+    }
+    pub fn entry() -> *const crate::abi::plugin::tenon_plugin {
+        tenon_plugin_v1()
+    }
+}
+
+#[test]
+fn a_panic_while_a_plugin_describes_itself_is_no_plugin() {
+    assert!(panics::entry().is_null());
+    // SAFETY: NULL is what the contract has for it.
+    let refused = unsafe { Plugin::read(panics::entry(), "here".into()) }.unwrap_err();
+    assert!(refused.to_string().contains("gave 0x0"), "{refused}");
+}
+
 /// Takes whatever comes.
 struct Deaf;
 
