@@ -2,10 +2,15 @@
 //
 // Rules
 // - Functions that can fail give NULL when all is well, otherwise a tenon_error that the caller frees. What they were
-//   to write is then not written.
+//   to write is then not written. TENON_BAD_ARGUMENT: an argument of the call is wrong. TENON_FAILED: what was asked for
+//   cannot be done; the message says why. TENON_INTERNAL: the library has a fault. TENON_CANCELLED is a result's alone.
 // - Handles (tenon_engine, tenon_graph, tenon_job, tenon_result, tenon_sweep, tenon_text, tenon_error) are freed by their
 //   own function, each once and in any order. A handle that was freed or is of another kind is an error, not a crash.
-// - Every function may be called from any thread. Evaluations of one graph run one after another; nothing else waits.
+// - Every function may be called from any thread. What waits: tenon_graph_evaluate for the evaluations of its graph that
+//   were asked for before and for its own, tenon_job_wait for a job, tenon_job_free for the callbacks of one, tenon_sweep_row
+//   for other calls with its sweep and for its own evaluation, tenon_result_preview while it makes one. Nothing else does.
+// - Arguments are read during the call and may go when it returns, but for callbacks with their context and what
+//   tenon_graph_share is given.
 // - Texts given in are NUL-terminated UTF-8 unless a length is asked for. Texts given out are tenon_str: not terminated.
 // - Structs begin with their size. Who makes a struct sets it; later versions add fields at the end only.
 // - Nothing is freed across: what a handle gives is good until that handle is freed, and is read-only.
@@ -14,7 +19,9 @@
 //   outside are errors of the call, which then has changed nothing.
 // What this contract cannot prevent: reading a result's arrays after it was freed, changing or freeing shared arrays before
 // they are released, and pointers that are neither NULL nor good: lengths that promise more than is there, texts without
-// their NUL, structs whose size says more than they are. tenon_handle_count tells what was never freed.
+// their NUL, structs whose size says more than they are. Nor memory that runs
+// out, a stack that overflows, and a plugin in this process that crashes: they end the process. tenon_handle_count tells what
+// was never freed.
 
 #ifndef TENON_H
 #define TENON_H
@@ -221,7 +228,7 @@ struct tenon_error *tenon_engine_new(const struct tenon_engine_config *config,
 void tenon_engine_free(struct tenon_engine *engine);
 
 // Describes a node type as JSON: name, doc, ports with type, unit, range and default; all node types as a list if
-// `type_name` is NULL. [any thread]
+// `type_name` is NULL. Fails if there is no such node type. [any thread]
 struct tenon_error *tenon_engine_describe(const struct tenon_engine *engine,
                                           const char *type_name,
                                           struct tenon_text **out);
@@ -256,8 +263,8 @@ struct tenon_error *tenon_graph_give(struct tenon_graph *graph,
 // which items are gaps. Structs, texts, features, lists of one such item, and bytes other than 0 and 1 that stand for truth
 // values are copied. The arrays must stay as they are, unchanged, until `release(context)` is called, once: when the graph and
 // all results that hold them have let go, or already in this call if all was copied. It is called from any thread, must not
-// throw, and must not call the library. `release` may be NULL for arrays that live as long as the program. If the call fails
-// `release` is not called. [any thread]
+// throw, and must not call the library. `release` may be NULL for arrays that live as long as the program. Fails as
+// `tenon_graph_give` does; then `release` is not called. [any thread]
 struct tenon_error *tenon_graph_share(struct tenon_graph *graph,
                                       const char *name,
                                       const tenon_tree *tree,
@@ -278,8 +285,9 @@ struct tenon_error *tenon_graph_load(const struct tenon_engine *engine,
 // freed before do nothing. [any thread]
 void tenon_graph_free(struct tenon_graph *graph);
 
-// The graph as text in the canonical form, with all values set so far. [any thread]
-struct tenon_error *tenon_graph_save(const struct tenon_graph *graph, struct tenon_text **out);
+// The graph as text in the canonical form, with all values set so far. Fails if the graph is none. [any thread]
+struct tenon_error *tenon_graph_save(const struct tenon_graph *graph,
+                                     struct tenon_text **out);
 
 // Gives an interface input or a parameter (`node.port`) the value that the JSON text says; `null` brings the default
 // back. Nothing is evaluated, so many can be set at once; the same value as before costs nothing later. Fails, with
@@ -288,22 +296,27 @@ struct tenon_error *tenon_graph_set(struct tenon_graph *graph,
                                     const char *name,
                                     const char *json);
 
-// The same with a number. [any thread]
+// The same with a number. Fails as that does, and if the number is not finite. [any thread]
 struct tenon_error *tenon_graph_set_number(struct tenon_graph *graph, const char *name, double value);
 
-// Adds a node. Fails if the id is taken or has a dot in it. [any thread]
-struct tenon_error *tenon_graph_add_node(struct tenon_graph *graph, const char *id, const char *type_name);
+// Adds a node. Fails if the id is taken or has a dot in it. A type that nobody knows is accepted: evaluation then says that
+// it is missing. [any thread]
+struct tenon_error *tenon_graph_add_node(struct tenon_graph *graph,
+                                         const char *id,
+                                         const char *type_name);
 
-// Removes a node and the wires from it. [any thread]
+// Removes a node and the wires from it. Fails if there is no such node. [any thread]
 struct tenon_error *tenon_graph_remove_node(struct tenon_graph *graph, const char *id);
 
-// Wires `from` (`node.port`) to the input `port` of `node`, behind the wires that it has. [any thread]
+// Wires `from` (`node.port`) to the input `port` of `node`, behind the wires that it has. Fails if one of the
+// nodes is not there, `from` is no `node.port` or the wire is there already. What the wire's ends are is not looked at here: evaluation
+// says what does not fit. [any thread]
 struct tenon_error *tenon_graph_connect(struct tenon_graph *graph,
                                         const char *from,
                                         const char *node,
                                         const char *port);
 
-// Takes a wire away. [any thread]
+// Takes a wire away. Fails if there is no such wire. [any thread]
 struct tenon_error *tenon_graph_disconnect(struct tenon_graph *graph,
                                            const char *from,
                                            const char *node,
@@ -312,7 +325,8 @@ struct tenon_error *tenon_graph_disconnect(struct tenon_graph *graph,
 // Describes the interface as JSON: a list of objects in order of their names, each with `name`, `ports` (`node.port`), `doc`,
 // `unit`, `type` and `access` ("item", "list", "tree"); inputs besides with `min`, `max`, `choices` (the texts accepted; none:
 // any), `default` and `value` (what is set, as a graph file says it). What the interface does not say is that of the first
-// port behind it. What is not known is null. [any thread]
+// port behind it. What is not known is null. Fails if `side` is neither of the two. [any
+// thread]
 struct tenon_error *tenon_graph_interface(const struct tenon_graph *graph,
                                           tenon_side_of_graph side,
                                           struct tenon_text **out);
@@ -330,8 +344,8 @@ struct tenon_error *tenon_graph_evaluate(struct tenon_graph *graph,
 
 // Starts the same on a thread of its own and returns at once. The job is of the graph as it stands at this call: what is
 // set and edited from then on is for later evaluations. Jobs of one graph run one after another. A host that follows a
-// slider cancels the job before and starts the next. Fails if an argument is wrong or the system gives no thread; then no
-// callback comes. [any thread]
+// slider cancels the job before and starts the next. Fails if an argument is wrong or the system gives no thread
+// (`TENON_FAILED`); then no callback comes. [any thread]
 struct tenon_error *tenon_graph_start(struct tenon_graph *graph,
                                       const char *const *outputs,
                                       uint64_t count,
@@ -339,7 +353,8 @@ struct tenon_error *tenon_graph_start(struct tenon_graph *graph,
                                       struct tenon_job **out);
 
 // Waits for a job, `milliseconds` at most: 0 only looks, UINT64_MAX waits as long as it takes. Writes a result, which the
-// caller frees, or NULL if the job has not ended by then. Every call after its end gives the result again. [any thread]
+// caller frees, or NULL if the job has not ended by then. Every call after its end gives the result again. Fails if the job is none, if its
+// own callback would wait for it, or, with `TENON_INTERNAL`, if the evaluation met a fault of the library. [any thread]
 struct tenon_error *tenon_job_wait(const struct tenon_job *job,
                                    uint64_t milliseconds,
                                    struct tenon_result **out);
@@ -369,7 +384,8 @@ struct tenon_error *tenon_result_preview(const struct tenon_result *result,
 // [any thread]
 void tenon_result_free(struct tenon_result *result);
 
-// `TENON_OK`, `TENON_FAILED` if a diagnostic is an error, or `TENON_CANCELLED`. [any thread]
+// `TENON_OK`, `TENON_FAILED` if a diagnostic is an error, or `TENON_CANCELLED`; `TENON_BAD_ARGUMENT` for what is no result.
+// [any thread]
 tenon_status tenon_result_status(const struct tenon_result *result);
 
 // Fills `out` with an output that was asked for. Nothing is copied; the arrays are read-only and good until the result
@@ -378,7 +394,8 @@ struct tenon_error *tenon_result_output(const struct tenon_result *result,
                                         const char *name,
                                         tenon_tree *out);
 
-// An output as JSON, for types that do not cross as C structs and for looking at values. [any thread]
+// An output as JSON, for types that do not cross as C structs and for looking at values. Fails if there is no such output
+// or it was not asked for. [any thread]
 struct tenon_error *tenon_result_json(const struct tenon_result *result,
                                       const char *name,
                                       struct tenon_text **out);
@@ -386,7 +403,7 @@ struct tenon_error *tenon_result_json(const struct tenon_result *result,
 // Number of diagnostics; 0 for a result that is no result. [any thread]
 uint64_t tenon_result_diagnostic_count(const struct tenon_result *result);
 
-// Fills `out` with diagnostic `index`. [any thread]
+// Fills `out` with diagnostic `index`. Set `out->size` before. Fails if there are not so many. [any thread]
 struct tenon_error *tenon_result_diagnostic(const struct tenon_result *result,
                                             uint64_t index,
                                             struct tenon_diagnostic *out);
@@ -394,12 +411,13 @@ struct tenon_error *tenon_result_diagnostic(const struct tenon_result *result,
 // Number of nodes that were looked at. [any thread]
 uint64_t tenon_result_node_count(const struct tenon_result *result);
 
-// Fills `out` with node `index`, in order of evaluation. [any thread]
+// Fills `out` with node `index`, in order of evaluation. Set `out->size` before. Fails if there are not so many.
+// [any thread]
 struct tenon_error *tenon_result_node(const struct tenon_result *result,
                                       uint64_t index,
                                       struct tenon_node_report *out);
 
-// Makes one with an engine's node types and settings. [any thread]
+// Makes one with an engine's node types and settings. Fails if the engine is none. [any thread]
 struct tenon_error *tenon_sweep_new(const struct tenon_engine *engine, struct tenon_sweep **out);
 
 // Frees one. NULL and those that were freed before do nothing. [any thread]

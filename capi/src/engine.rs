@@ -127,7 +127,7 @@ pub extern "C" fn tenon_engine_free(engine: *mut tenon_engine) {
 }
 
 /// Describes a node type as JSON: name, doc, ports with type, unit, range and default; all node types as a list if
-/// `type_name` is NULL. [any thread]
+/// `type_name` is NULL. Fails if there is no such node type. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_engine_describe(
     engine: *const tenon_engine,

@@ -24,6 +24,11 @@ impl Failure {
         Self { status: TENON_BAD_ARGUMENT, message: message.into(), node: String::new() }
     }
 
+    /// Something that the system does not give.
+    pub(crate) fn system(message: impl Into<String>) -> Self {
+        Self { status: TENON_FAILED, message: message.into(), node: String::new() }
+    }
+
     /// A panic that was caught.
     pub(crate) fn fault(panic: &(dyn std::any::Any + Send)) -> Self {
         let message = format!("libtenon has a fault; please report it: {}", words(panic));
@@ -97,4 +102,19 @@ pub extern "C" fn tenon_error_free(error: *mut tenon_error) {
 #[unsafe(no_mangle)]
 pub extern "C" fn tenon_handle_count() -> u64 {
     guard_or(0, || Ok(handle::count() as u64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_panic_leaves_the_library() {
+        let error = guard(|| panic!("one {}", "too many"));
+        assert_eq!(tenon_error_status(error), TENON_INTERNAL);
+        let failure = handle::error(error).unwrap();
+        assert_eq!(failure.message, "libtenon has a fault; please report it: one too many");
+        tenon_error_free(error);
+        assert_eq!(guard_or(7, || panic!("another")), 7);
+    }
 }

@@ -62,8 +62,8 @@ impl Drop for Owner {
 /// which items are gaps. Structs, texts, features, lists of one such item, and bytes other than 0 and 1 that stand for truth
 /// values are copied. The arrays must stay as they are, unchanged, until `release(context)` is called, once: when the graph and
 /// all results that hold them have let go, or already in this call if all was copied. It is called from any thread, must not
-/// throw, and must not call the library. `release` may be NULL for arrays that live as long as the program. If the call fails
-/// `release` is not called. [any thread]
+/// throw, and must not call the library. `release` may be NULL for arrays that live as long as the program. Fails as
+/// `tenon_graph_give` does; then `release` is not called. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_graph_share(
     graph: *mut tenon_graph,

@@ -194,7 +194,7 @@ pub extern "C" fn tenon_graph_free(graph: *mut tenon_graph) {
     });
 }
 
-/// The graph as text in the canonical form, with all values set so far. [any thread]
+/// The graph as text in the canonical form, with all values set so far. Fails if the graph is none. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_graph_save(graph: *const tenon_graph, out: *mut *mut tenon_text) -> *mut tenon_error {
     guard(|| {
@@ -228,7 +228,7 @@ pub unsafe extern "C" fn tenon_graph_set(
     })
 }
 
-/// The same with a number. [any thread]
+/// The same with a number. Fails as that does, and if the number is not finite. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_graph_set_number(
     graph: *mut tenon_graph,
@@ -246,7 +246,8 @@ pub unsafe extern "C" fn tenon_graph_set_number(
     })
 }
 
-/// Adds a node. Fails if the id is taken or has a dot in it. [any thread]
+/// Adds a node. Fails if the id is taken or has a dot in it. A type that nobody knows is accepted: evaluation then says that
+/// it is missing. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_graph_add_node(
     graph: *mut tenon_graph,
@@ -265,7 +266,7 @@ pub unsafe extern "C" fn tenon_graph_add_node(
     })
 }
 
-/// Removes a node and the wires from it. [any thread]
+/// Removes a node and the wires from it. Fails if there is no such node. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_graph_remove_node(graph: *mut tenon_graph, id: *const c_char) -> *mut tenon_error {
     guard(|| {
@@ -276,7 +277,9 @@ pub unsafe extern "C" fn tenon_graph_remove_node(graph: *mut tenon_graph, id: *c
     })
 }
 
-/// Wires `from` (`node.port`) to the input `port` of `node`, behind the wires that it has. [any thread]
+/// Wires `from` (`node.port`) to the input `port` of `node`, behind the wires that it has. Fails if one of the
+/// nodes is not there, `from` is no `node.port` or the wire is there already. What the wire's ends are is not looked at here: evaluation
+/// says what does not fit. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_graph_connect(
     graph: *mut tenon_graph,
@@ -293,7 +296,7 @@ pub unsafe extern "C" fn tenon_graph_connect(
     })
 }
 
-/// Takes a wire away. [any thread]
+/// Takes a wire away. Fails if there is no such wire. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_graph_disconnect(
     graph: *mut tenon_graph,

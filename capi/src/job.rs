@@ -10,7 +10,7 @@ use std::cell::Cell;
 use std::ffi::{c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 use std::thread::ThreadId;
 use std::time::{Duration, Instant};
 use tenon_plugin::abi::value::{tenon_status, tenon_str};
@@ -227,6 +227,30 @@ impl Job {
     }
 }
 
+/// A thread that does the work of a job once it is told to; without one the job is over.
+fn alone(job: &Arc<Job>, work: impl FnOnce() + Send + 'static) -> Result<mpsc::Sender<()>, Failure> {
+    let (go, told) = mpsc::channel();
+    let wait = move || {
+        if told.recv().is_ok() {
+            work();
+        }
+    };
+    if let Err(why) = thread(wait) {
+        job.graph.turns.leave(job.turn);
+        job.graph.jobs().retain(|other| !Arc::ptr_eq(other, job));
+        return Err(Failure::system(format!("the system gives no thread: {why}")));
+    }
+    Ok(go)
+}
+
+fn thread(work: impl FnOnce() + Send + 'static) -> std::io::Result<()> {
+    #[cfg(test)]
+    if tests::NO_THREADS.get() {
+        return Err(std::io::ErrorKind::WouldBlock.into());
+    }
+    std::thread::Builder::new().name("tenon-job".into()).spawn(work).map(drop)
+}
+
 /// Evaluates `count` outputs, each an interface output or `node.port`; with `count` 0 every interface output and every
 /// node that makes files. Only what changed runs. Waits until it is done, behind the evaluations that were asked for
 /// before. The result holds what the outputs come to for the graph as it stood at the call and stays as it is whatever
@@ -257,8 +281,8 @@ pub unsafe extern "C" fn tenon_graph_evaluate(
 
 /// Starts the same on a thread of its own and returns at once. The job is of the graph as it stands at this call: what is
 /// set and edited from then on is for later evaluations. Jobs of one graph run one after another. A host that follows a
-/// slider cancels the job before and starts the next. Fails if an argument is wrong or the system gives no thread; then no
-/// callback comes. [any thread]
+/// slider cancels the job before and starts the next. Fails if an argument is wrong or the system gives no thread
+/// (`TENON_FAILED`); then no callback comes. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_graph_start(
     graph: *mut tenon_graph,
@@ -276,24 +300,20 @@ pub unsafe extern "C" fn tenon_graph_start(
         let options = unsafe { read::options(options, tenon_evaluate_options::DEFAULT, "options")? };
         let listener = Listener::new(options);
         let job = Job::new(graph, &names);
-        let key = handle::give(Object::Job(job.clone()));
-        // Before the thread begins, since its callbacks may look there.
-        // SAFETY: not NULL and aligned; the caller vouches that a pointer can be written there.
-        unsafe { out.write(key) };
         let worker = job.clone();
-        let spawned = std::thread::Builder::new().name("tenon-job".into()).spawn(move || worker.run_alone(&listener));
-        if let Err(why) = spawned {
-            job.graph.turns.leave(job.turn);
-            job.graph.jobs().retain(|other| !Arc::ptr_eq(other, &job));
-            handle::free(key);
-            return Err(Failure::argument(format!("the system gives no thread: {why}")));
-        }
+        let go = alone(&job, move || worker.run_alone(&listener))?;
+        // Before the job begins, since its callbacks may look there.
+        // SAFETY: not NULL and aligned; the caller vouches that a pointer can be written there.
+        unsafe { out.write(handle::give(Object::Job(job))) };
+        // It cannot fail: the thread waits for it.
+        let _ = go.send(());
         Ok(())
     })
 }
 
 /// Waits for a job, `milliseconds` at most: 0 only looks, UINT64_MAX waits as long as it takes. Writes a result, which the
-/// caller frees, or NULL if the job has not ended by then. Every call after its end gives the result again. [any thread]
+/// caller frees, or NULL if the job has not ended by then. Every call after its end gives the result again. Fails if the job is none, if its
+/// own callback would wait for it, or, with `TENON_INTERNAL`, if the evaluation met a fault of the library. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_job_wait(
     job: *const tenon_job,
@@ -363,4 +383,50 @@ pub extern "C" fn tenon_graph_cancel(graph: *const tenon_graph) {
         jobs.iter().for_each(|job| job.cancel());
         Ok(())
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{tenon_engine_free, tenon_engine_new};
+    use crate::error::{tenon_error_free, tenon_error_message, tenon_error_status};
+    use crate::graph::{tenon_graph_free, tenon_graph_load};
+    use crate::result::tenon_result_free;
+    use std::cell::Cell;
+    use std::ptr::{null, null_mut};
+    use tenon_plugin::abi::value::TENON_FAILED;
+
+    thread_local! {
+        /// As if the system had no thread for who calls from here.
+        pub static NO_THREADS: Cell<bool> = const { Cell::new(false) };
+    }
+
+    #[test]
+    fn without_a_thread_there_is_no_job_and_the_graph_goes_on() {
+        let json = br#"{ "format": "tenon", "version": 1, "units": "mm", "nodes": {} }"#;
+        let (mut engine, mut graph, mut job, mut result) = (null_mut(), null_mut(), null_mut(), null_mut());
+        // SAFETY: pointers to places and texts that live through the calls.
+        unsafe {
+            assert!(tenon_engine_new(null(), &raw mut engine).is_null());
+            let (text, length) = (json.as_ptr().cast(), json.len() as u64);
+            assert!(tenon_graph_load(engine, text, length, null(), &raw mut graph).is_null());
+            NO_THREADS.set(true);
+            let error = tenon_graph_start(graph, null(), 0, null(), &raw mut job);
+            NO_THREADS.set(false);
+            assert_eq!(tenon_error_status(error), TENON_FAILED);
+            let message = tenon_error_message(error);
+            let message = std::slice::from_raw_parts(message.ptr.cast::<u8>(), message.len as usize);
+            assert!(message.starts_with(b"the system gives no thread"));
+            assert!(job.is_null(), "a handle of no job was written");
+            tenon_error_free(error);
+            // Its turn is over: the next does not wait for it.
+            assert!(tenon_graph_start(graph, null(), 0, null(), &raw mut job).is_null());
+            assert!(tenon_job_wait(job, 60_000, &raw mut result).is_null());
+            assert!(!result.is_null());
+        }
+        tenon_result_free(result);
+        tenon_job_free(job);
+        tenon_graph_free(graph);
+        tenon_engine_free(engine);
+    }
 }

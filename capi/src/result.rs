@@ -113,7 +113,8 @@ pub extern "C" fn tenon_result_free(result: *mut tenon_result) {
     });
 }
 
-/// `TENON_OK`, `TENON_FAILED` if a diagnostic is an error, or `TENON_CANCELLED`. [any thread]
+/// `TENON_OK`, `TENON_FAILED` if a diagnostic is an error, or `TENON_CANCELLED`; `TENON_BAD_ARGUMENT` for what is no result.
+/// [any thread]
 #[unsafe(no_mangle)]
 pub extern "C" fn tenon_result_status(result: *const tenon_result) -> tenon_status {
     guard_or(TENON_BAD_ARGUMENT, || Ok(handle::result(result)?.status()))
@@ -137,7 +138,8 @@ pub unsafe extern "C" fn tenon_result_output(
     })
 }
 
-/// An output as JSON, for types that do not cross as C structs and for looking at values. [any thread]
+/// An output as JSON, for types that do not cross as C structs and for looking at values. Fails if there is no such output
+/// or it was not asked for. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_result_json(
     result: *const tenon_result,
@@ -189,7 +191,7 @@ pub extern "C" fn tenon_result_diagnostic_count(result: *const tenon_result) -> 
     guard_or(0, || Ok(handle::result(result)?.report.diagnostics.len() as u64))
 }
 
-/// Fills `out` with diagnostic `index`. [any thread]
+/// Fills `out` with diagnostic `index`. Set `out->size` before. Fails if there are not so many. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_result_diagnostic(
     result: *const tenon_result,
@@ -252,7 +254,8 @@ pub extern "C" fn tenon_result_node_count(result: *const tenon_result) -> u64 {
     guard_or(0, || Ok(handle::result(result)?.report.nodes.len() as u64))
 }
 
-/// Fills `out` with node `index`, in order of evaluation. [any thread]
+/// Fills `out` with node `index`, in order of evaluation. Set `out->size` before. Fails if there are not so many.
+/// [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_result_node(
     result: *const tenon_result,

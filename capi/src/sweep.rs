@@ -33,7 +33,7 @@ impl From<SweepError> for Failure {
     }
 }
 
-/// Makes one with an engine's node types and settings. [any thread]
+/// Makes one with an engine's node types and settings. Fails if the engine is none. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_sweep_new(engine: *const tenon_engine, out: *mut *mut tenon_sweep) -> *mut tenon_error {
     guard(|| {

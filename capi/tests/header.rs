@@ -35,6 +35,7 @@ fn every_function_is_declared_once_and_says_which_threads_may_call_it() {
     let text = header();
     let mut seen = std::collections::BTreeSet::new();
     let mut comment = String::new();
+    let mut failing = 0;
     for line in text.lines() {
         if let Some(words) = line.strip_prefix("// ") {
             comment = format!("{comment}{words} ");
@@ -44,9 +45,15 @@ fn every_function_is_declared_once_and_says_which_threads_may_call_it() {
         let name = line.split_once('(').filter(|_| !line.starts_with(' ')).map(|(before, _)| before);
         if let Some(name) = name.and_then(|n| n.rsplit([' ', '*']).next()).filter(|n| n.starts_with("tenon_")) {
             assert!(seen.insert(name.to_owned()), "{name} is declared twice");
+            let fails = line.starts_with("struct tenon_error *");
+            // Who says that it is the same as another fails as that does.
+            let told = comment.contains("Fails if") || comment.contains("Fails, ") || comment.contains("Fails as");
+            assert!(!fails || told, "{name} does not say when it fails: {comment}");
+            failing += u32::from(fails);
             assert!(comment.contains(" thread"), "{name} does not say which thread may call it: {comment}");
         }
         comment.clear();
     }
+    assert!(failing > 15, "only {failing} functions that can fail were found");
     assert!(seen.len() > 30, "only {} functions were found", seen.len());
 }
