@@ -270,6 +270,44 @@ fn libraries_that_are_no_plugins_are_refused() {
     }
 }
 
+/// As one in Rust would be that was built from a changed source: both lines of why are shown.
+#[test]
+fn a_plugin_that_was_laid_out_otherwise_is_refused_by_the_field() {
+    let folder = Folder::with(
+        "p.c",
+        r#"
+#define tenon_plugin_v1 unchanged
+#include "hinge.c"
+#undef tenon_plugin_v1
+static const tenon_field fields[] = {{TEXT("tenon_vec3"), TEXT("x"), 0, 8}, {TEXT("tenon_feature"), TEXT("depth"), 100, 8}};
+static const tenon_layout layout = {sizeof layout, sizeof(tenon_field), 0, fields, COUNT(fields)};
+TENON_EXPORT const tenon_plugin *tenon_plugin_v1(void);
+const tenon_plugin *tenon_plugin_v1(void) {
+    static tenon_plugin changed;
+    changed = *unchanged();
+    changed.layout = &layout;
+    return &changed;
+}
+"#,
+    );
+    let beside = root().join("plugin-sdk/examples/fastener-c").display().to_string();
+    let library = compile(&folder.0.join("p.c"), "laid-out-otherwise", &["-I", &beside]);
+    let lines = [
+        "tenon_feature.depth is 8 bytes after 100 in the plugin and 8 bytes after 96 in this program\n",
+        "build it anew, for this program's system, with the plugin-sdk of this Tenon (contract 1.",
+    ];
+    folder.tenon(&["plugin", "info", &library]).code(2).says(&lines);
+    let place = folder.0.join("plugins");
+    std::fs::create_dir(&place).unwrap();
+    std::fs::copy(&library, place.join("changed.so")).unwrap();
+    let mut tenon = Command::new(env!("CARGO_BIN_EXE_tenon"));
+    let tenon = tenon.args(["plugin", "list"]).current_dir(&folder.0).env("XDG_DATA_HOME", &folder.0);
+    let listed = tenon.env("TENON_PLUGIN_PATH", &place).output().unwrap();
+    let told = String::from_utf8_lossy(&listed.stdout);
+    assert!(lines.iter().all(|line| told.contains(line)), "{told}");
+    assert_eq!(listed.status.code(), Some(1));
+}
+
 fn faulty() -> &'static str {
     static LIBRARY: OnceLock<String> = OnceLock::new();
     let source = || root().join("cli/tests/data/faulty.c");
@@ -387,7 +425,7 @@ fn two_plugins_with_one_id_are_one_too_many() {
 /// A plugin of a later minor version: its structs have grown, it says so, and it is loaded as far as we know it.
 #[test]
 fn a_plugin_of_a_later_version_is_loaded() {
-    let folder = Folder::new();
+    let (folder, mut raised) = (Folder::new(), 0);
     for name in ["tenon_value.h", "tenon_plugin.h"] {
         let text = std::fs::read_to_string(root().join("plugin-sdk/include").join(name)).unwrap();
         let mut out = String::new();
@@ -395,17 +433,21 @@ fn a_plugin_of_a_later_version_is_loaded() {
         for line in text.lines() {
             if let Some(rest) = line.strip_prefix("typedef struct ") {
                 let names =
-                    ["curve", "mesh", "panels", "feature", "features", "port", "message", "node_type", "plugin"];
+                    "curve mesh panels feature features column attribute branch table port message node_type plugin"
+                        .split(' ');
                 let name = rest.trim_end_matches(" {");
-                grows = if names.iter().any(|n| name == format!("tenon_{n}")) { "  uint64_t later[3];\n" } else { "" };
+                grows = if names.clone().any(|n| name == format!("tenon_{n}")) { "  uint64_t later[3];\n" } else { "" };
             } else if line.starts_with("} tenon_") {
                 out += grows;
             }
-            out += &line.replace("TENON_PLUGIN_MINOR 1", "TENON_PLUGIN_MINOR 9");
+            let minor = line.starts_with("#define TENON_PLUGIN_MINOR ");
+            raised += u32::from(minor);
+            out += if minor { "#define TENON_PLUGIN_MINOR 9" } else { line };
             out += "\n";
         }
         folder.write(name, out);
     }
+    assert_eq!(raised, 1);
     std::fs::copy(root().join("plugin-sdk/examples/fastener-c/hinge.c"), folder.0.join("hinge.c")).unwrap();
     // Its own headers come first: they stand beside it.
     let newer = compile(&folder.0.join("hinge.c"), "newer", &["-w"]);
