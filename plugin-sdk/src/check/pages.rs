@@ -258,8 +258,27 @@ mod tests {
         unsafe { pages.lend(bytes.as_ptr(), bytes.len()) }
     }
 
+    /// Whether this is the process of one test alone, which is started otherwise: a process has one handler of signals, and
+    /// other tests (of loom) set theirs.
+    fn alone(test: &str) -> bool {
+        if std::env::var_os("TENON_TEST_ALONE").is_some() {
+            return true;
+        }
+        let child = std::process::Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", &format!("check::pages::tests::{test}")])
+            .env("TENON_TEST_ALONE", "1")
+            .output()
+            .unwrap();
+        let told = String::from_utf8_lossy(&child.stdout);
+        assert!(child.status.success() && told.contains("1 passed"), "{child:?}");
+        false
+    }
+
     #[test]
     fn writes_are_noticed_also_when_they_are_undone() {
+        if !alone("writes_are_noticed_also_when_they_are_undone") {
+            return;
+        }
         let mut pages = Pages::new(Behind::Zeros);
         let (numbers, others) = (lend(&mut pages, &[1, 2, 3]), lend(&mut pages, &[4, 5, 6]));
         // SAFETY: lent above; that it cannot be written to is what is tried.
@@ -279,6 +298,9 @@ mod tests {
     /// Each gets a signal of its own if none was handled before the others met theirs.
     #[test]
     fn many_threads_may_touch_one_array_at_once() {
+        if !alone("many_threads_may_touch_one_array_at_once") {
+            return;
+        }
         struct At(*mut u8);
         // SAFETY: memory that any thread may touch.
         unsafe impl Sync for At {}
@@ -300,7 +322,7 @@ mod tests {
         }
     }
 
-    /// A fault elsewhere goes to whoever handled such before. In a process of its own: handlers are those of all tests.
+    /// A fault elsewhere goes to whoever handled such before.
     #[test]
     fn the_faults_of_others_are_handled_as_before() {
         use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
@@ -311,14 +333,7 @@ mod tests {
             // SAFETY: a page of this test.
             unsafe { libc::mprotect(ELSEWHERE.load(Ordering::Relaxed), 1, libc::PROT_READ | libc::PROT_WRITE) };
         }
-        if std::env::var_os("TENON_TEST_FAULTS").is_none() {
-            let child = std::process::Command::new(std::env::current_exe().unwrap())
-                .args(["--exact", "check::pages::tests::the_faults_of_others_are_handled_as_before"])
-                .env("TENON_TEST_FAULTS", "1")
-                .output()
-                .unwrap();
-            let told = String::from_utf8_lossy(&child.stdout);
-            assert!(child.status.success() && told.contains("1 passed"), "{child:?}");
+        if !alone("the_faults_of_others_are_handled_as_before") {
             return;
         }
         // SAFETY: a fresh page, and a handler of the form that the system asks for.
@@ -337,6 +352,9 @@ mod tests {
 
     #[test]
     fn reading_behind_an_array_is_noticed() {
+        if !alone("reading_behind_an_array_is_noticed") {
+            return;
+        }
         let mut pages = Pages::new(Behind::Nothing);
         let words = lend(&mut pages, &[1; 24]);
         assert!(words.addr().is_multiple_of(8));
