@@ -216,7 +216,8 @@ typedef struct tenon_node_type {
 typedef struct tenon_field {
   // The struct.
   tenon_str of;
-  // The field; empty: the whole struct, of those that never grow.
+  // The field; empty: the whole struct, of those that never grow. A name that ends with ": type" tells the field's type:
+  // `offset` and `bytes` are the lower and the upper half of a number that stands for it.
   tenon_str name;
   // Bytes before it.
   uint32_t offset;

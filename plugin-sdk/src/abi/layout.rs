@@ -4,18 +4,84 @@
 
 use super::plugin::*;
 use super::value::*;
+use std::ffi::c_void;
 
-/// A field of a struct; a whole struct that never grows if `name` is empty.
+/// A field of a struct; a whole struct that never grows if `name` is empty; a field's type if `name` ends with [`TYPE`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Field {
     /// The struct.
     pub of: &'static str,
     /// The field.
     pub name: &'static str,
-    /// Bytes before it.
+    /// Bytes before it; of a type the lower half of its number.
     pub offset: u32,
-    /// Its bytes; 0: it may grow.
+    /// Its bytes; 0: it may grow; of a type the upper half of its number.
     pub bytes: u32,
+}
+
+/// What a field's name ends with where its type is meant. Programs that do not know of it take it for a field that is new.
+pub const TYPE: &str = ": type";
+
+/// Types of fields by a number that depends on nothing but what they are. Structs count by their names: what they hold is
+/// looked at by itself.
+trait Kind {
+    const NUMBER: u64;
+}
+
+const fn add(mut digest: u64, bytes: &[u8]) -> u64 {
+    let mut i = 0;
+    while i < bytes.len() {
+        digest = (digest ^ bytes[i] as u64).wrapping_mul(0x0100_0000_01b3);
+        i += 1;
+    }
+    digest
+}
+
+/// FNV-1a of nothing.
+const NOTHING: u64 = 0xcbf2_9ce4_8422_2325;
+
+macro_rules! kinds {
+    ($($type:ty: $name:expr;)*) => { $(
+        impl Kind for $type {
+            const NUMBER: u64 = add(NOTHING, $name.as_bytes());
+        }
+    )* };
+}
+
+kinds! {
+    (): "nothing"; u8: "u8"; u32: "u32"; i32: "i32"; u64: "u64"; i64: "i64"; f64: "f64"; i8: "i8"; c_void: "void";
+}
+
+impl<T: Kind> Kind for *const T {
+    const NUMBER: u64 = add(add(NOTHING, b"pointer to"), &T::NUMBER.to_le_bytes());
+}
+
+impl<T: Kind> Kind for *mut T {
+    const NUMBER: u64 = add(add(NOTHING, b"pointer to changeable"), &T::NUMBER.to_le_bytes());
+}
+
+// In C both are a pointer that may be NULL.
+impl<T: Kind> Kind for Option<T> {
+    const NUMBER: u64 = T::NUMBER;
+}
+
+macro_rules! functions {
+    ($(($($of:ident)*))*) => { $(
+        impl<R: Kind, $($of: Kind),*> Kind for unsafe extern "C" fn($($of),*) -> R {
+            const NUMBER: u64 = {
+                let number = add(add(NOTHING, b"function"), &R::NUMBER.to_le_bytes());
+                $(let number = add(number, &$of::NUMBER.to_le_bytes());)*
+                number
+            };
+        }
+    )* };
+}
+
+functions! { () (A) (A B) (A B C) (A B C D) (A B C D E) (A B C D E F) }
+
+/// The number of the type of the field that a function gives.
+const fn number<S, F: Kind>(_: fn(&S) -> &F) -> u64 {
+    F::NUMBER
 }
 
 /// Bytes of the field that a function gives.
@@ -33,8 +99,16 @@ macro_rules! layout {
                 name: stringify!($field),
                 offset: std::mem::offset_of!($name, $field) as u32,
                 bytes: layout!(@bytes $name $field $($grown)?),
+            },
+            Field {
+                of: stringify!($name),
+                name: concat!(stringify!($field), ": type"),
+                offset: number(|s: &$name| &s.$field) as u32,
+                bytes: (number(|s: &$name| &s.$field) >> 32) as u32,
             }),*
         ),*];
+
+        kinds! { $($name: stringify!($name);)* }
 
         /// No field is forgotten above: a pattern must name them all.
         const _: () = {
@@ -102,15 +176,7 @@ layout! {
 /// FNV-1a of fields; see [`tenon_layout::digest`].
 #[must_use]
 pub const fn digest(fields: &[Field]) -> u64 {
-    const fn add(mut digest: u64, bytes: &[u8]) -> u64 {
-        let mut i = 0;
-        while i < bytes.len() {
-            digest = (digest ^ bytes[i] as u64).wrapping_mul(0x0100_0000_01b3);
-            i += 1;
-        }
-        digest
-    }
-    let (mut digest, mut i) = (0xcbf2_9ce4_8422_2325, 0);
+    let (mut digest, mut i) = (NOTHING, 0);
     while i < fields.len() {
         let f = &fields[i];
         digest = add(add(digest, f.of.as_bytes()), &[0]);

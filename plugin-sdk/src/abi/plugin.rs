@@ -229,7 +229,8 @@ pub struct tenon_node_type {
 pub struct tenon_field {
     /// The struct.
     pub of: tenon_str,
-    /// The field; empty: the whole struct, of those that never grow.
+    /// The field; empty: the whole struct, of those that never grow. A name that ends with ": type" tells the field's type:
+    /// `offset` and `bytes` are the lower and the upper half of a number that stands for it.
     pub name: tenon_str,
     /// Bytes before it.
     pub offset: u32,

@@ -16,6 +16,7 @@ mod tests;
 pub use call::{EvaluateError, Message, Sink, Views, Watch};
 pub use slot::late_calls;
 
+use crate::abi::layout::TYPE;
 use crate::abi::plugin::*;
 use crate::abi::value::*;
 use crate::apart::Processes;
@@ -92,6 +93,9 @@ pub enum LoadFault {
 fn misplaced(of: &str, name: &str, theirs: (u32, u32), ours: (u32, u32)) -> String {
     if name.is_empty() {
         return format!("{of} has {} bytes in the plugin and {} in this program", theirs.1, ours.1);
+    }
+    if let Some(field) = name.strip_suffix(TYPE) {
+        return format!("{of}.{field} has another type in the plugin than in this program");
     }
     let place = |(offset, bytes)| format!("{bytes} bytes after {offset}");
     format!("{of}.{name} is {} in the plugin and {} in this program", place(theirs), place(ours))

@@ -231,6 +231,46 @@ fn a_plugin_that_was_laid_out_otherwise_is_refused_by_the_field() {
 }
 
 #[test]
+fn a_field_of_another_type_is_refused_where_it_is_as_large() {
+    let told = |of: &str, name: &str, number: u32| {
+        let other = read_with(|f| {
+            if is(f, of, &format!("{name}: type")) {
+                f.offset ^= number;
+            }
+        });
+        other.map(drop).map_err(|e| e.to_string())
+    };
+    let why = told("tenon_feature", "depth", 1).unwrap_err();
+    assert!(why.starts_with("tenon_feature.depth has another type in the plugin than in this program\n"), "{why}");
+    assert!(told("tenon_call", "set", 1).unwrap_err().starts_with("tenon_call.set has another type"));
+    assert_eq!(told("tenon_call", "set", 0), Ok(()));
+    // Numbers tell apart what is equally large, and functions by what they take and give.
+    let number = |of: &str, name: &str| {
+        let entry = FIELDS.iter().find(|f| f.of == of && f.name.strip_suffix(": type") == Some(name)).unwrap();
+        (entry.offset, entry.bytes)
+    };
+    let kinds = [
+        ("tenon_feature", "depth"),
+        ("tenon_column", "count"),
+        ("tenon_column", "items"),
+        ("tenon_column", "valid"),
+        ("tenon_node_type", "data"),
+        ("tenon_call", "set"),
+        ("tenon_call", "forward"),
+        ("tenon_call", "tell"),
+        ("tenon_call", "progress"),
+    ];
+    let numbers: std::collections::BTreeSet<_> = kinds.iter().map(|(of, name)| number(of, name)).collect();
+    assert_eq!(numbers.len(), kinds.len());
+    assert_eq!(number("tenon_column", "count"), number("tenon_tree", "branch_count"));
+    // The same in every build: FNV-1a of "f64".
+    assert_eq!(number("tenon_feature", "depth"), (F64 as u32, (F64 >> 32) as u32));
+}
+
+/// FNV-1a of "f64".
+const F64: u64 = 0xdd74_4c18_ff7e_a1ab;
+
+#[test]
 fn a_layout_that_only_grew_is_taken() {
     assert!(read_with(|_| ()).is_ok());
     // A field, and a struct, that we do not know yet; and one of ours that the plugin does not know yet.
