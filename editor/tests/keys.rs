@@ -248,6 +248,41 @@ fn the_canvas_is_moved_scaled_fitted_and_gone_to_by_its_map() {
 }
 
 #[test]
+fn what_lies_under_the_map_is_not_touched_by_clicks_and_drags_on_it() {
+    let mut w = Window::open(Some(&graph("map", CHAIN)));
+    let (canvas, text) = (w.rect("canvas"), w.text());
+    let on_map = canvas.right_bottom() - vec2(60.0, 40.0);
+    // The value of a node comes to lie under the map, where a click selects the node and a drag turns the value.
+    let under = |w: &mut Window| {
+        w.app().canvas.view.zoom = 1.6;
+        w.steps(2);
+        let q = w.app().canvas.shapes.nodes.iter().find(|s| s.id == "q").unwrap().rect.center();
+        let by = on_map - w.app().canvas.view.to_screen(canvas, q);
+        w.app().canvas.view.origin += by;
+        w.steps(2);
+        assert!(w.rect("node q").left() < on_map.x && w.rect("node q").right() > on_map.x);
+        w.app().canvas.view.origin
+    };
+    let before = under(&mut w);
+    w.click(on_map);
+    assert!(w.app().canvas.view.origin != before && selected(&w).is_empty());
+    let before = under(&mut w);
+    w.double_click(on_map);
+    assert!(w.app().canvas.view.origin != before && !w.app().canvas.is_typing());
+    assert!(selected(&w).is_empty());
+    under(&mut w);
+    let mut seen = Vec::new();
+    w.press(on_map, on_map - vec2(20.0, 10.0), Modifiers::NONE);
+    seen.push(w.app().canvas.view.origin);
+    w.hover(on_map - vec2(30.0, 10.0));
+    seen.push(w.app().canvas.view.origin);
+    w.release(on_map - vec2(30.0, 10.0));
+    assert!(seen[1].x > seen[0].x && seen[1].y == seen[0].y, "the canvas follows: {seen:?}");
+    assert_eq!((w.text(), w.app().model.steps()), (text, (0, 0)));
+    assert!(selected(&w).is_empty());
+}
+
+#[test]
 fn nodes_are_aligned_and_distributed_by_the_menu() {
     let mut w = Window::open(Some(&graph("align", CHAIN)));
     for (id, at) in [("a", [0.0, 0.0]), ("b", [210.0, 40.0]), ("c", [640.0, 90.0])] {

@@ -1,8 +1,10 @@
 //! The window itself: it never waits, and what it shows besides the graph.
 
 use crate::common::{Window, example, folder, graph};
-use eframe::egui::{Key, Modifiers, vec2};
+use eframe::egui::{Key, Modifiers, Rect, vec2};
+use egui_kittest::kittest::Queryable as _;
 use std::time::{Duration, Instant};
+use tenon_engine::Diagnostic;
 
 /// Twenty-five million sums, one by one.
 const SLOW: &str = r#"{
@@ -121,6 +123,38 @@ fn the_examples_and_the_tour_are_offered_to_newcomers() {
     w.app().remember_in(&ctx, Some(state));
     w.steps(2);
     assert!(!w.has("Step 1 of 3"));
+}
+
+#[test]
+fn texts_of_the_status_line_lie_beside_each_other_in_a_small_window() {
+    let mut w = Window::sized(Some(&example("quad-mesh")), vec2(640.0, 480.0));
+    let long = "this is a message that is far too long for the line, ".repeat(4);
+    for step in 0..4 {
+        match step {
+            0 => {}
+            1 => w.app().model.said = Some(long.clone()),
+            2 => w.app().model.message = Some(Diagnostic::error("long", long.clone())),
+            _ => w.app().model.message = Some(Diagnostic::error("short", "no")),
+        }
+        w.steps(2);
+        let line = w.rect("Profile");
+        let all = w.harness.get_all_by_label_contains("").map(|n| n.rect());
+        let all: Vec<Rect> =
+            all.filter(|r| line.y_range().expand(1.0).contains(r.top()) && r.bottom() < 480.0).collect();
+        // What the panels above it scroll out of sight is not of the line.
+        let all: Vec<Rect> = all.into_iter().filter(|r| (r.center().y - line.center().y).abs() < 2.0).collect();
+        assert!(all.len() >= 6, "{all:?}");
+        for (i, a) in all.iter().enumerate() {
+            assert!(a.left() >= 0.0 && a.right() <= 640.0, "{a:?} is out of the window");
+            for b in &all[..i] {
+                assert!(!a.shrink(0.5).intersects(b.shrink(0.5)), "{a:?} lies over {b:?} in step {step}");
+            }
+        }
+        w.picture(&format!("status-small-{step}"));
+    }
+    // Where there is room, the card is named.
+    let wide = Window::sized(None, vec2(1280.0, 800.0));
+    assert!(wide.harness.query_all_by_label_contains("llvmpipe").next().is_some());
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::App;
 use crate::panels;
 use crate::theme::{self, Theme};
-use eframe::egui::{self, RichText, Ui};
+use eframe::egui::{self, Label, RichText, TextStyle, TextWrapMode, Ui, WidgetText};
 
 impl App {
     pub(super) fn status(&mut self, ui: &mut Ui) {
@@ -35,29 +35,39 @@ impl App {
                 ui.label(words);
             } else if let Some(p) = &self.model.results.progress {
                 ui.add(egui::ProgressBar::new(p.fraction as f32).desired_width(120.0));
-                ui.label(&*p.node);
                 if ui.button("Stop").on_hover_text("Esc").clicked() {
                     self.model.cancel();
                 }
+                ui.scope(|ui| {
+                    ui.set_max_width(120.0);
+                    ui.add(Label::new(&*p.node).truncate());
+                });
             } else {
                 ui.label("evaluating …");
             }
             ui.separator();
             if let Some(message) = &self.model.message {
                 let hint = message.hint.as_ref().map(|h| format!(" ({h})")).unwrap_or_default();
-                ui.colored_label(theme.error, format!("{}{hint}", message.message));
+                let words = RichText::new(format!("{}{hint}", message.message)).color(theme.error);
+                ui.add(Label::new(words).truncate());
             } else if let Some(said) = &self.model.said {
-                ui.label(said);
+                ui.add(Label::new(said).truncate());
             } else if let Some(said) = self.said.clone() {
-                if ui.label(said).on_hover_text("click to put away").interact(egui::Sense::click()).clicked() {
+                let said = ui.add(Label::new(said).truncate().sense(egui::Sense::click()));
+                if said.on_hover_text("click to put away").clicked() {
                     self.said = None;
                 }
             } else {
                 let chosen = self.model.selection.len();
                 let nodes = self.model.document().nodes().len();
-                ui.weak(format!("{nodes} nodes, {chosen} selected"));
+                ui.add(Label::new(RichText::new(format!("{nodes} nodes, {chosen} selected")).weak()).truncate());
             }
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| ui.weak(&self.card));
+            // The card is named where there is room for its whole name.
+            let card = WidgetText::from(RichText::new(&self.card).weak());
+            let card = card.into_galley(ui, Some(TextWrapMode::Extend), f32::INFINITY, TextStyle::Body);
+            if card.size().x <= ui.available_width() {
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| ui.label(card));
+            }
         });
     }
 }

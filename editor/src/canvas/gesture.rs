@@ -23,6 +23,8 @@ pub enum Gesture {
     Idle,
     /// Moves the canvas.
     Pan,
+    /// Moves the canvas by its map: where the map is, and what it shows.
+    Map(Rect, Rect),
     /// Draws a frame around nodes; from where, and what was selected before.
     Frame(Pos2, std::collections::BTreeSet<String>),
     /// Draws a line around nodes; its corners, and what was selected before.
@@ -165,6 +167,8 @@ impl Canvas {
             let space = ui.input(|i| i.key_down(Key::Space));
             if right || space {
                 self.gesture = Gesture::Pan;
+            } else if let Some((map, bounds)) = pressed.and_then(|at| self.map_at(area, at)) {
+                self.gesture = Gesture::Map(map, bounds);
             } else if let Some(at) = pressed {
                 self.begin(ui, area, at, model);
             }
@@ -175,6 +179,12 @@ impl Canvas {
         if response.drag_stopped() {
             self.finish(area, pointer, model);
         }
+        let at = response.interact_pointer_pos().filter(|_| response.clicked());
+        if let Some((at, map)) = at.and_then(|at| Some((at, self.map_at(area, at)?))) {
+            // What lies under the map is not meant.
+            self.go_by_map(area, map, at);
+            return;
+        }
         // Two clicks soon after an earlier one elsewhere count as three.
         if let Some(at) = pointer.filter(|_| response.double_clicked() || response.triple_clicked()) {
             let raw = ui.input(|i| i.modifiers.command);
@@ -183,7 +193,10 @@ impl Canvas {
             self.click(ui, area, at, model);
         }
         if response.secondary_clicked() {
-            let hit = response.interact_pointer_pos().map(|at| self.hit(area, at, model));
+            let hit = response.interact_pointer_pos().map(|at| match self.map_at(area, at) {
+                Some(_) => Hit::Nothing,
+                None => self.hit(area, at, model),
+            });
             if let Some(n) = hit.and_then(Hit::node) {
                 self.choose(n, false, model);
             }
@@ -278,6 +291,10 @@ impl Canvas {
         match &mut self.gesture {
             Gesture::Idle | Gesture::Wire(_) | Gesture::Taken(_) | Gesture::Rewire(_) => {}
             Gesture::Pan => self.view.origin += delta,
+            Gesture::Map(map, bounds) => {
+                let map = (*map, *bounds);
+                self.go_by_map(area, map, map.0.clamp(at));
+            }
             Gesture::Move { by, .. } => *by += delta / self.view.zoom,
             Gesture::Frame(from, before) => {
                 let frame = Rect::from_two_pos(*from, self.view.to_canvas(area, at));
@@ -348,7 +365,7 @@ impl Canvas {
                     model.edit(operation);
                 }
             }
-            Gesture::Idle | Gesture::Pan | Gesture::Frame(..) | Gesture::Lasso(..) => {}
+            Gesture::Idle | Gesture::Pan | Gesture::Map(..) | Gesture::Frame(..) | Gesture::Lasso(..) => {}
         }
     }
 
@@ -359,7 +376,6 @@ impl Canvas {
                 if !more {
                     model.selection.clear();
                 }
-                self.jump(area, at, model);
             }
             Hit::Wire(w) => {
                 // A wire is seen best by its ends.
@@ -410,18 +426,15 @@ impl Canvas {
         self.choose(n, more, model);
     }
 
-    /// A click on the small map brings that place into the middle.
-    fn jump(&mut self, area: Rect, at: Pos2, model: &Model) {
-        let Some(bounds) = self.shapes.bounds().map(|b| b.expand(25.0)) else { return };
-        if self.view.seen(area).contains_rect(bounds) || area.width() < 420.0 || area.height() < 320.0 {
-            return;
-        }
-        let scale = (150.0 / bounds.width()).min(100.0 / bounds.height());
-        let map = Rect::from_min_size(area.max - bounds.size() * scale - Vec2::splat(10.0), bounds.size() * scale);
-        if map.contains(at) && !model.document().nodes().is_empty() {
-            let p = (at - map.min) / scale;
-            self.view.centre(area, pos2(bounds.left() + p.x, bounds.top() + p.y));
-        }
+    /// The map under a place on screen: where it is, and what it shows.
+    fn map_at(&self, area: Rect, at: Pos2) -> Option<(Rect, Rect)> {
+        super::paint::map(self.view, area, &self.shapes).filter(|(map, _)| map.contains(at))
+    }
+
+    /// Goes to the place of the canvas that a place of the map shows.
+    fn go_by_map(&mut self, area: Rect, (map, bounds): (Rect, Rect), at: Pos2) {
+        let along = (at - map.min) / map.size();
+        self.view.centre(area, bounds.min + along * bounds.size());
     }
 
     fn double_click(&mut self, area: Rect, at: Pos2, raw: bool, model: &mut Model) {

@@ -379,16 +379,10 @@ impl Paint<'_> {
         self.painter.with_clip_rect(room.intersect(self.painter.clip_rect())).galley(at, galley, self.theme.value);
     }
 
-    /// All of the canvas in a corner, with the part that is seen. Gives where it is on screen and what it shows.
-    pub fn map(&self, shapes: &Shapes) -> Option<(Rect, Rect)> {
-        let seen = self.view.seen(self.area);
-        let bounds = shapes.bounds()?.expand(25.0);
-        if seen.contains_rect(bounds) || self.area.width() < 420.0 || self.area.height() < 320.0 {
-            return None;
-        }
-        let scale = (150.0 / bounds.width()).min(100.0 / bounds.height());
-        let size = bounds.size() * scale;
-        let map = Rect::from_min_size(self.area.max - size - vec2(10.0, 10.0), size);
+    /// All of the canvas in a corner, with the part that is seen.
+    pub fn map(&self, shapes: &Shapes) {
+        let Some((map, bounds)) = map(self.view, self.area, shapes) else { return };
+        let (seen, scale) = (self.view.seen(self.area), map.width() / bounds.width());
         self.painter.rect(
             map,
             3.0,
@@ -405,8 +399,19 @@ impl Paint<'_> {
         }
         let frame = Rect::from_min_max(place(seen.min), place(seen.max));
         painter.rect_stroke(frame, 0.0, Stroke::new(1.0, self.theme.text), StrokeKind::Inside);
-        Some((map, bounds))
     }
+}
+
+/// Where the map of the canvas is on screen, and what it shows; none if all is seen or there is no room for it.
+#[must_use]
+pub fn map(view: View, area: Rect, shapes: &Shapes) -> Option<(Rect, Rect)> {
+    let bounds = shapes.bounds()?.expand(25.0);
+    if view.seen(area).contains_rect(bounds) || area.width() < 420.0 || area.height() < 320.0 {
+        return None;
+    }
+    let scale = (150.0 / bounds.width()).min(100.0 / bounds.height());
+    let size = bounds.size() * scale;
+    Some((Rect::from_min_size(area.max - size - vec2(10.0, 10.0), size), bounds))
 }
 
 /// One line for an item, two for a list, two broken ones for a tree.

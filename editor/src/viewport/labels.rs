@@ -4,8 +4,9 @@ use super::Camera;
 use super::section::Clip;
 use crate::model::beside::Beside;
 use crate::scene::Drawing;
-use eframe::egui::{Align2, Color32, Context, FontId, Painter, Rect};
+use eframe::egui::{Align2, Color32, Context, FontId, Painter, Rect, vec2};
 use glam::DVec3;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// No more labels than this are drawn.
@@ -13,10 +14,17 @@ const MOST: usize = 3000;
 /// A body so near before its label, as a share of the distance of the eye, does not hide it.
 const NEAR: f64 = 2e-3;
 
-/// The labels that are seen, with their places.
+/// Labels are dark in a light halo, so that they are read on wood, and on a dark ground as on a light one.
+const INK: Color32 = Color32::from_rgb(24, 22, 20);
+const HALO: Color32 = Color32::from_rgb(252, 248, 240);
+/// Room that is left free around a label, points.
+const ROOM: f32 = 1.0;
+
+/// The labels that are seen, with their places, and where those are drawn that do not lie over nearer ones.
 #[derive(Default)]
 pub struct Labels {
     seen: Beside<Vec<(String, DVec3)>>,
+    drawn: Vec<(String, Rect)>,
 }
 
 impl Labels {
@@ -25,7 +33,6 @@ impl Labels {
         &mut self,
         ctx: &Context,
         painter: &Painter,
-        ink: Color32,
         (area, camera): (Rect, &Camera),
         clip: Option<Clip>,
         all: Vec<Arc<Drawing>>,
@@ -38,16 +45,26 @@ impl Labels {
         let (eye, wake) = (*camera, ctx.clone());
         self.seen.want(key, move || wake.request_repaint(), move || seen(&eye, clip, &all));
         let place = camera.projector(area);
+        self.drawn.clear();
+        let mut free = Free::default();
         for (label, at) in self.seen.last().into_iter().flat_map(|s| s.iter()) {
-            if let Some(at) = place(*at).filter(|at| area.contains(*at)) {
-                painter.text(at, Align2::CENTER_CENTER, label, FontId::proportional(10.0), ink);
+            let Some(at) = place(*at).filter(|at| area.contains(*at)) else { continue };
+            let galley = painter.layout_no_wrap(label.clone(), FontId::proportional(10.0), INK);
+            let rect = Align2::CENTER_CENTER.anchor_size(at, galley.size()).expand(ROOM);
+            if !free.take(rect) {
+                continue;
             }
+            for by in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
+                painter.galley_with_override_text_color(rect.min + vec2(ROOM, ROOM) + by, galley.clone(), HALO);
+            }
+            painter.galley(rect.min + vec2(ROOM, ROOM), galley, INK);
+            self.drawn.push((label.clone(), rect));
         }
     }
 
-    /// The labels that are seen.
-    pub fn shown(&self) -> impl Iterator<Item = &str> {
-        self.seen.last().into_iter().flat_map(|s| s.iter()).map(|(label, _)| label.as_str())
+    /// The labels that are drawn, and where.
+    pub fn drawn(&self) -> &[(String, Rect)] {
+        &self.drawn
     }
 
     /// Whether nothing is being looked for.
@@ -56,7 +73,30 @@ impl Labels {
     }
 }
 
-/// O(labels × parts).
+/// Room on screen that is taken, in bands, so that few labels are asked for each.
+#[derive(Default)]
+struct Free {
+    bands: HashMap<i32, Vec<Rect>>,
+}
+
+impl Free {
+    /// Height of a band, points.
+    const BAND: f32 = 16.0;
+
+    /// Takes room if all of it is free.
+    fn take(&mut self, rect: Rect) -> bool {
+        let band = |y: f32| (y / Self::BAND).floor() as i32;
+        let bands = band(rect.top())..=band(rect.bottom());
+        let met = |b: i32| self.bands.get(&b).is_some_and(|all| all.iter().any(|r| r.intersects(rect)));
+        if bands.clone().any(met) {
+            return false;
+        }
+        bands.for_each(|b| self.bands.entry(b).or_default().push(rect));
+        true
+    }
+}
+
+/// The nearest first. O(labels × parts).
 fn seen(camera: &Camera, clip: Option<Clip>, all: &[Arc<Drawing>]) -> Vec<(String, DVec3)> {
     let there = |p: DVec3| clip.is_none_or(|c| c.side(p) <= 0.0);
     let parts = all.iter().flat_map(|d| &d.parts).take(MOST).filter(|p| there(p.centre));
@@ -65,7 +105,10 @@ fn seen(camera: &Camera, clip: Option<Clip>, all: &[Arc<Drawing>]) -> Vec<(Strin
         let from = p.centre + towards * camera.distance * NEAR;
         all.iter().all(|d| d.pick(from, towards, there).is_none())
     };
-    parts.filter(bare).map(|p| (p.label.clone(), p.centre)).collect()
+    let mut seen: Vec<(String, DVec3)> = parts.filter(bare).map(|p| (p.label.clone(), p.centre)).collect();
+    let near = |p: &DVec3| camera.back().dot(*p);
+    seen.sort_by(|a, b| near(&b.1).total_cmp(&near(&a.1)));
+    seen
 }
 
 #[cfg(test)]

@@ -171,8 +171,8 @@ impl Viewport {
         self.render(ui, area, model);
         if self.labels {
             let panels = model.results.drawings.values().filter(|d| d.kind == Kind::Panels).cloned().collect();
-            let (painter, ink) = (ui.painter_at(area), Theme::of(ui).text);
-            self.written.paint(ui.ctx(), &painter, ink, (area, &self.camera), self.clip, panels);
+            let painter = ui.painter_at(area);
+            self.written.paint(ui.ctx(), &painter, (area, &self.camera), self.clip, panels);
         }
         self.axes(ui, area);
         let taken = self.hand.show(ui, area, &self.camera, self.clip, model);
@@ -231,9 +231,10 @@ impl Viewport {
         made && self.references.settled() && self.saving.is_none()
     }
 
-    /// The addresses that are written on panels.
-    pub fn written(&self) -> impl Iterator<Item = &str> {
-        self.written.shown()
+    /// The addresses that are written on panels, and where on screen.
+    #[must_use]
+    pub fn written(&self) -> &[(String, Rect)] {
+        self.written.drawn()
     }
 
     /// From where to where the colours go that are shown now.
