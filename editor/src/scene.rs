@@ -4,6 +4,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::LazyLock;
 use tenon_engine::{Column, Tree};
 use tenon_geometry::ifs::Curve;
 use tenon_geometry::mesh::Mesh;
@@ -19,6 +20,9 @@ pub const YIELDS: [&str; 1] = ["mesh"];
 
 /// So many parts are drawn on one thread at a time.
 const PIECE: usize = 4096;
+
+/// Bodies of no more vertices than this are one piece.
+const TOGETHER: usize = 1 << 16;
 
 /// A corner of a triangle.
 #[repr(C)]
@@ -131,6 +135,23 @@ pub(crate) struct PartBox {
 /// What a value looks like; `None` if there is nothing to see. O(corners).
 #[must_use]
 pub fn draw(tree: &Tree) -> Option<Drawing> {
+    beside(|| draw_here(tree))
+}
+
+/// Runs work on threads of its own, one fewer than there are cores: what the window shares out among threads never waits for
+/// a drawing.
+fn beside<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    static THREADS: LazyLock<Option<rayon::ThreadPool>> = LazyLock::new(|| {
+        let threads = std::thread::available_parallelism().map_or(1, |n| n.get().saturating_sub(1).max(1));
+        rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("draw {i}")).build().ok()
+    });
+    match &*THREADS {
+        Some(threads) => threads.install(work),
+        None => work(),
+    }
+}
+
+fn draw_here(tree: &Tree) -> Option<Drawing> {
     let mut d = Drawing { digest: tree.digest(), ..Drawing::empty(Kind::Points) };
     for (_, column) in tree.branches() {
         (0..column.len()).for_each(|i| d.item(column, i));
@@ -231,9 +252,21 @@ impl Drawing {
         let moved = |b: PartBox| PartBox { corners: b.corners.start + first..b.corners.end + first, ..b };
         self.boxes.extend(d.boxes.into_iter().map(moved));
         self.triangles.append(&mut d.triangles);
-        self.bodies.append(&mut d.bodies);
+        d.bodies.into_iter().for_each(|b| self.put(b));
         self.parts.append(&mut d.parts);
         self.bounds = [self.bounds[0].min(d.bounds[0]), self.bounds[1].max(d.bounds[1])];
+    }
+
+    /// Takes bodies with those before them, as long as there are few: each piece is brought to the card by itself.
+    fn put(&mut self, mut b: Bodies) {
+        let Some(last) = self.bodies.last_mut().filter(|l| l.vertices.len() + b.vertices.len() <= TOGETHER) else {
+            self.bodies.push(b);
+            return;
+        };
+        let first = last.vertices.len() as u32;
+        last.vertices.append(&mut b.vertices);
+        last.triangles.extend(b.triangles.iter().map(|v| v + first));
+        last.edges.extend(b.edges.iter().map(|e| e.map(|v| v + first)));
     }
 
     fn line(&mut self, from: DVec3, to: DVec3, part: u32) {
@@ -582,6 +615,30 @@ mod tests {
         assert_eq!(d.pick(from, -DVec3::Z, |_| true), Some((part, 1.0)));
         assert_eq!(d.corners_of(part).count(), 6);
         assert_eq!(d.parts[part as usize].label, (part - 1).to_string());
+    }
+
+    #[test]
+    fn many_small_meshes_are_few_pieces() {
+        let square = |i: usize| {
+            let at = |x: f64, y: f64| DVec3::new(i as f64 * 2.0 + x, y, 0.0);
+            V::new(Mesh::from_faces(vec![at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)], &[[0, 1, 2, 3]]))
+        };
+        let count = 20_000;
+        let d = draw(&Tree::list((0..count).map(square).collect())).unwrap();
+        let vertices: usize = d.bodies.iter().map(|b| b.vertices.len()).sum();
+        assert_eq!((d.bodies.len(), vertices, edges(&d)), (2, 4 * count, 4 * count));
+        bodies_are_the_triangles(&d);
+        for (b, edge) in d.bodies.iter().flat_map(|b| b.edges.iter().map(move |e| (b, e))) {
+            let [from, to] = edge.map(|v| b.vertices[v as usize]);
+            assert_eq!(from.part, to.part, "an edge belongs to one mesh");
+        }
+    }
+
+    #[test]
+    fn drawings_leave_a_core_and_the_common_threads_to_the_window() {
+        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+        assert_eq!(beside(rayon::current_num_threads), (cores - 1).max(1));
+        assert_eq!(beside(|| std::thread::current().name().map(|n| n.starts_with("draw "))), Some(true));
     }
 
     #[test]
