@@ -1,6 +1,6 @@
 //! Colours of canvas and viewport on a light and a dark ground, and how figures are written.
 
-use eframe::egui::{Color32, Ui};
+use eframe::egui::{Color32, Context, Ui};
 use std::time::Duration;
 
 /// Colours that depend on the ground.
@@ -92,6 +92,24 @@ impl Theme {
     pub fn of(ui: &Ui) -> Self {
         if ui.visuals().dark_mode { DARK } else { LIGHT }
     }
+
+    /// Colour of a wire, which steps back from nodes unless it is `chosen`; read on the canvas all the same.
+    #[must_use]
+    pub fn wire(&self, colour: Color32, chosen: bool) -> Color32 {
+        match (*self == LIGHT, chosen) {
+            (true, true) => colour.lerp_to_gamma(Color32::BLACK, 0.2),
+            (true, false) => colour.lerp_to_gamma(Color32::from_rgb(60, 64, 70), 0.5),
+            (false, true) => colour,
+            (false, false) => colour.gamma_multiply(0.55),
+        }
+    }
+}
+
+/// Gives what egui paints the colours that it lacks: its own weak text is too faint to be read.
+pub fn install(ctx: &Context) {
+    for (ground, theme) in [(eframe::egui::Theme::Dark, DARK), (eframe::egui::Theme::Light, LIGHT)] {
+        ctx.style_mut_of(ground, |style| style.visuals.weak_text_color = Some(theme.faint_text));
+    }
 }
 
 /// Colour of wires and ports by item type.
@@ -150,5 +168,39 @@ pub fn duration(t: Duration) -> String {
         _ if s >= 0.01 => format!("{:.0} ms", s * 1e3),
         _ if s >= 0.001 => format!("{:.1} ms", s * 1e3),
         _ => format!("{:.0} µs", s * 1e6),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Contrast of two opaque colours (WCAG 2.1).
+    fn contrast(a: Color32, b: Color32) -> f32 {
+        let light = |c: Color32| {
+            let [r, g, b, _] = eframe::egui::Rgba::from(c).to_array();
+            0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05
+        };
+        light(a).max(light(b)) / light(a).min(light(b))
+    }
+
+    #[test]
+    fn wires_and_weak_text_are_read_on_both_grounds() {
+        let types = ["number", "integer", "boolean", "text", "point", "curve", "mesh", "panels", "features", "parts"];
+        let types = types.into_iter().chain(["layout", "machine", "file", "any"]);
+        for colour in types.map(type_colour) {
+            for chosen in [false, true] {
+                let wire = LIGHT.wire(colour, chosen);
+                assert!(contrast(wire, LIGHT.canvas) > if chosen { 2.7 } else { 3.5 }, "{colour:?} on light");
+                let wire = DARK.canvas.blend(DARK.wire(colour, chosen));
+                assert!(contrast(wire, DARK.canvas) > if chosen { 4.0 } else { 2.2 }, "{colour:?} on dark");
+            }
+        }
+        let ctx = Context::default();
+        install(&ctx);
+        for ground in [eframe::egui::Theme::Dark, eframe::egui::Theme::Light] {
+            let visuals = ctx.style_of(ground).visuals.clone();
+            assert!(contrast(visuals.weak_text_color(), visuals.panel_fill) > 4.5, "{ground:?}");
+        }
     }
 }

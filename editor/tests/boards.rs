@@ -1,6 +1,6 @@
 //! Boards, player and tables of the shell.
 
-use crate::common::{Window, example};
+use crate::common::{Window, example, folder};
 use eframe::egui::{Modifiers, PointerButton, vec2};
 use tenon_editor::app::Side;
 
@@ -108,4 +108,25 @@ fn values_are_tables() {
     w.click(w.rect("time of pack").center());
     assert!(w.app().model.selection.contains("pack"));
     w.picture("profile");
+}
+
+#[test]
+fn files_are_written_from_the_boards_and_from_the_pieces() {
+    let mut w = Window::open(Some(&example("shell-256")));
+    for (place, name) in [("Boards", "from-boards"), ("Pieces", "from-pieces")] {
+        let out = folder(name).join("out");
+        w.click(w.first(place).center());
+        w.settle();
+        w.click(w.rect("Export the files …").center());
+        w.steps(2);
+        assert!(w.has("Write the files of the graph into a folder"));
+        w.key(Modifiers::COMMAND, eframe::egui::Key::A);
+        w.type_text(&out.to_string_lossy());
+        w.key(Modifiers::NONE, eframe::egui::Key::Enter);
+        w.settle();
+        let count = w.app().model.results.files.len();
+        // The manifest stands beside them.
+        assert!(count > 1 && std::fs::read_dir(&out).unwrap().count() == count + 1);
+        w.click(w.rect("Space").center());
+    }
 }

@@ -305,6 +305,61 @@ fn keys_switch_previews_and_states() {
 }
 
 #[test]
+fn a_single_point_is_edited_by_its_coordinates() {
+    let text = r#"{ "format": "tenon", "version": 1, "nodes": { "pl": { "type": "plane", "v": 1 } } }"#;
+    let mut w = Window::open(Some(&graph("single", text)));
+    w.double_click(w.rect("input pl.origin").center());
+    w.steps(2);
+    assert!(w.has("pl.origin") && !w.has("Add a row"), "one point has no rows");
+    let cell = w.rect("y of 1").center();
+    w.drag(cell, cell + vec2(30.0, 0.0));
+    let point: Vec<f64> = serde_json::from_str(&w.param("pl", "origin")).unwrap();
+    assert!(point[0] == 0.0 && point[1] > 10.0 && point[2] == 0.0, "{point:?}");
+    assert_eq!(w.app().model.steps().0, 1);
+    w.picture("single-point");
+    w.settle();
+    assert_eq!(w.app().model.results.counts().0, 0, "{:?}", w.app().model.results.diagnostics);
+}
+
+#[test]
+fn the_finder_finds_by_letters_categories_and_keywords_and_says_what_a_node_does() {
+    let mut w = Window::open(None);
+    let of = |w: &mut Window, name: &str| w.app().model.catalog.get(name).unwrap().clone();
+    let (curve, pack) = (of(&mut w, "ifs_curve"), of(&mut w, "pack"));
+    assert!(!pack.title.to_lowercase().contains(&pack.category.to_lowercase()));
+    for (typed, node) in [("itcrv", &curve), ("takagi", &curve), (pack.category.as_str(), &pack)] {
+        w.double_click(empty(&w));
+        assert!(w.app().canvas.is_typing());
+        w.type_text("no such thing");
+        assert!(w.has("nothing has that name") && !w.has(&node.title));
+        w.key(Modifiers::COMMAND, Key::A);
+        w.type_text(typed);
+        assert!(w.has(&node.title), "{typed} finds {}", node.title);
+        let first = w.app().model.catalog.find(typed, |_| true)[0].doc.clone();
+        assert!(w.has(&first), "what the first of {typed} does stands below");
+        w.key(Modifiers::NONE, Key::Escape);
+    }
+}
+
+#[test]
+fn the_finder_of_a_wire_offers_only_what_the_wire_fits() {
+    let mut w = Window::open(Some(&graph("unfit", TWO)));
+    let title = w.app().model.catalog.get("pack").unwrap().title.clone();
+    w.double_click(empty(&w));
+    w.type_text("pack");
+    assert!(w.has(&title), "without a wire it is there");
+    w.key(Modifiers::NONE, Key::Escape);
+    w.steps(30);
+    w.drag(w.rect("output p.point").right_center(), empty(&w));
+    assert!(w.app().canvas.is_typing());
+    w.type_text("pack");
+    assert!(!w.has(&title), "a point is no part");
+    w.key(Modifiers::COMMAND, Key::A);
+    w.type_text("ifs_curve");
+    assert!(w.has(&w.harness.state().model.catalog.get("ifs_curve").unwrap().title));
+}
+
+#[test]
 fn points_at_an_input_are_edited_as_a_table() {
     let text = r#"{
   "format": "tenon",

@@ -109,6 +109,24 @@ fn a_mesh_that_is_dropped_becomes_a_node_that_reads_it() {
 }
 
 #[test]
+fn the_file_of_a_node_is_chosen_by_hand() {
+    let text = r#"{ "format": "tenon", "version": 1, "nodes": { "m": { "type": "read_mesh", "v": 1 } } }"#;
+    let path = graph("pick-mesh", text);
+    std::fs::copy(root().join("graphs/quad-mesh/canopy.obj"), path.with_file_name("canopy.obj")).unwrap();
+    let mut w = Window::open(Some(&path));
+    w.double_click(w.rect("input m.path").center());
+    w.click(w.rect("…").center());
+    w.steps(2);
+    assert!(w.has("Choose a file"));
+    w.click(w.rect("canopy.obj").center());
+    w.click(w.rect("Take").center());
+    assert_eq!(w.param("m", "path"), "\"canopy.obj\"");
+    assert!(!w.has("Choose a file"));
+    w.settle();
+    assert!(w.app().model.results.drawings.contains_key("m.mesh"), "{:?}", w.app().model.results.diagnostics);
+}
+
+#[test]
 fn what_a_missing_plugin_would_bring_is_told_at_the_node() {
     let text = r#"{
   "format": "tenon",

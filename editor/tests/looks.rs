@@ -88,6 +88,33 @@ fn badges_count_what_is_wrong_and_say_it() {
 }
 
 #[test]
+fn a_warning_has_a_badge_of_its_own_colour() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "read": { "type": "read_mesh", "v": 1, "params": { "path": "bent.obj" } },
+    "flat": { "type": "planarize", "v": 1, "params": { "iterations": 0 }, "inputs": { "mesh": { "from": ["read.mesh"] } } }
+  }
+}"#;
+    let path = graph("warned", text);
+    std::fs::write(path.with_file_name("bent.obj"), "v 0 0 0\nv 900 0 0\nv 900 900 300\nv 0 900 0\nf 1 2 3 4\n")
+        .unwrap();
+    let mut w = Window::open(Some(&path));
+    let (errors, warnings) = w.app().model.results.counts();
+    assert!(errors == 0 && warnings > 0, "{:?}", w.app().model.results.diagnostics);
+    let message = w.app().model.results.of_node("flat").next().unwrap().message.clone();
+    let badge = w.rect("problems of flat");
+    let picture = w.picture("badge-warning");
+    let inside = |x: u32, y: u32| badge.contains(eframe::egui::pos2(x as f32, y as f32));
+    let orange = |p: &image::Rgba<u8>| p[0] > 220 && (140..180).contains(&p[1]) && p[2] < 70;
+    let count = picture.enumerate_pixels().filter(|(x, y, p)| inside(*x, *y) && orange(p)).count();
+    assert!(count as f32 > badge.area() * 0.4, "{count} pixels of {badge} are orange");
+    w.rest(badge.center());
+    assert!(w.has_containing(&message), "{message}");
+}
+
+#[test]
 fn ports_that_a_wire_fits_light_up_while_it_is_drawn() {
     let mut w = Window::open(Some(&graph("light", SHAPES)));
     let from = w.rect("output one.value").right_center();

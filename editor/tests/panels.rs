@@ -126,3 +126,18 @@ fn what_is_copied_as_csv_comes_into_the_clipboard() {
     let text = w.clipboard(press(false));
     assert!(text.eq("path,index,number\n{0},0,0.0\n{0},1,1.0\n{0},2,2.0\n"), "{text}");
 }
+
+#[test]
+fn the_profile_names_the_longest_chain() {
+    let mut w = Window::open(Some(&example("quad-mesh")));
+    w.click(w.rect("Profile").center());
+    w.steps(2);
+    let model = &w.app().model;
+    let time = |id: &str| model.results.nodes.get(id).map_or(std::time::Duration::ZERO, |r| r.time);
+    let (chain, longest) = tenon_editor::model::critical::critical_path(model.document(), time);
+    let sum: std::time::Duration = chain.iter().map(|id| time(id)).sum();
+    assert!(chain.len() > 3 && sum == longest && chain.contains(&"planarize".to_owned()), "{chain:?}");
+    let words = format!("the longest chain takes {} ({} nodes", tenon_editor::theme::duration(longest), chain.len());
+    assert!(w.has_containing(&words), "{words}");
+    w.picture("profile-chain");
+}

@@ -26,9 +26,16 @@ fn the_shell_opens_is_seen_and_follows_the_hand() {
     // A control point is dragged: every frame changes the document, the panels follow, and all of it is one step.
     let before = (w.text(), w.app().model.results.drawings["thicken.panels"].digest);
     let at = w.rect("point arc.points 2").center();
-    w.drag(at, at + vec2(30.0, -40.0));
-    w.settle();
+    w.press(at, at + vec2(30.0, -40.0), Modifiers::NONE);
+    let start = std::time::Instant::now();
+    while w.app().model.results.drawings["thicken.panels"].digest == before.1 {
+        assert!(start.elapsed().as_secs() < 60, "the shell does not follow while the point is held");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        w.steps(1);
+    }
     assert_ne!(w.text(), before.0);
+    w.release(at + vec2(30.0, -40.0));
+    w.settle();
     assert_ne!(w.app().model.results.drawings["thicken.panels"].digest, before.1);
     let moved: Json = serde_json::from_str(&w.param("arc", "points")).unwrap();
     assert_eq!((&moved[0], &moved[2]), (&serde_json::json!([0, 0, 0]), &serde_json::json!([3600, 0, 1500])));

@@ -3,7 +3,8 @@
 
 use crate::common::{Window, example, folder, graph};
 use eframe::egui::{Key, Modifiers, vec2};
-use tenon_editor::viewport::{Clip, Measure, references};
+use tenon_editor::viewport::{Clip, Measure, Standard, references};
+use tenon_engine::{Operation, Table};
 
 /// Pixels of the picture that are more green than anything else.
 fn green(picture: &image::RgbaImage) -> usize {
@@ -219,4 +220,66 @@ fn weights_and_subdivision_points_are_taken_by_hand() {
     assert_eq!(w.param("c", "subdivision_numbers"), "[2]");
     assert_ne!(shape(&w), before);
     assert_eq!(w.app().model.results.counts().0, 0, "{:?}", w.app().model.results.diagnostics);
+}
+
+#[test]
+fn one_file_stands_behind_the_model_twice_and_is_read_anew_in_another_folder() {
+    let text = r#"{ "format": "tenon", "version": 1, "nodes": { "n": { "type": "number", "v": 1 } } }"#;
+    let path = graph("twice-behind", text);
+    let photo = path.with_file_name("photo.png");
+    image::RgbImage::from_pixel(80, 40, image::Rgb([250, 20, 20])).save(&photo).unwrap();
+    let mut w = Window::open(Some(&path));
+    w.drop_file(&photo);
+    w.settle();
+    let steps = w.app().model.steps();
+    w.drop_file(&photo);
+    w.settle();
+    assert_eq!(w.app().model.steps(), steps, "it stands there already: nothing has changed");
+    // Twice, beside each other.
+    let entries = serde_json::json!([{ "file": "photo.png" }, { "file": "photo.png", "at": [10000, 0, 0] }]);
+    let set = Operation::SetEntry { table: Table::Layout, key: "references".into(), value: Some(entries) };
+    w.app().model.apply_to_whole(set).unwrap();
+    w.settle();
+    let boxes = |w: &Window| {
+        let app = w.harness.state();
+        let all = app.viewport.references.boxes(&app.model);
+        all.into_iter().map(|(_, b)| [b[0].x, b[1].x, b[1].y]).collect::<Vec<_>>()
+    };
+    assert_eq!(boxes(&w), [[0.0, 5000.0, 2500.0], [10000.0, 15000.0, 2500.0]]);
+    let area = w.rect("viewport");
+    w.app().viewport.camera.stand(Standard::Top);
+    w.app().viewport.camera.fit(area, [glam::DVec3::ZERO, glam::DVec3::new(15000.0, 2500.0, 0.0)]);
+    w.steps(2);
+    let picture = w.app().viewport.picture([300, 200]).unwrap();
+    let red = |left: bool| {
+        let own = picture.enumerate_pixels().filter(|(x, _, _)| (*x < 150) == left);
+        own.filter(|(_, _, p)| p[0] > 150 && p[1] < 60).count()
+    };
+    assert!(red(true) > 300 && red(false) > 300, "{} and {} pixels are red", red(true), red(false));
+    // A graph that is saved elsewhere names the files that lie there.
+    let other = folder("twice-elsewhere").join("graph.tenon.json");
+    image::RgbImage::from_pixel(40, 40, image::Rgb([20, 20, 250])).save(other.with_file_name("photo.png")).unwrap();
+    w.app().model.save(Some(&other)).unwrap();
+    w.settle();
+    assert_eq!(boxes(&w)[0], [0.0, 5000.0, 5000.0], "the square picture of the other folder");
+}
+
+#[test]
+fn that_a_file_cannot_be_shown_stays_told_beside_one_that_can() {
+    let mut w = Window::open(None);
+    let dir = folder("half-behind");
+    let (good, bad) = (dir.join("plan.png"), dir.join("bad.png"));
+    image::RgbImage::from_pixel(8, 8, image::Rgb([250, 20, 20])).save(&good).unwrap();
+    std::fs::write(&bad, "no picture").unwrap();
+    // Whichever is read first.
+    for files in [[&good, &bad], [&bad, &good]] {
+        for file in files {
+            w.drop_file(file);
+        }
+        w.settle();
+        assert!(w.app().model.message.as_ref().is_some_and(|m| m.message.contains("bad.png")), "it is told");
+        assert_eq!(references(&w.app().model).len(), 1);
+        w.app().model.undo();
+        w.steps(2);
+    }
 }

@@ -99,7 +99,7 @@ fn what_a_proof_has_found_is_marked_on_the_board() {
 }
 
 #[test]
-fn the_examples_and_the_tour_are_offered_to_newcomers() {
+fn newcomers_are_offered_the_examples_once_and_take_the_tour_through_its_three_steps() {
     let mut w = Window::open(None);
     let ctx = w.harness.ctx.clone();
     let state = folder("newcomer");
@@ -107,22 +107,80 @@ fn the_examples_and_the_tour_are_offered_to_newcomers() {
     w.steps(2);
     assert!(w.has("shell-256"), "the examples are shown");
     w.picture("gallery");
-    w.key(Modifiers::NONE, Key::Escape);
-    w.click(w.rect("Help").center());
-    w.click(w.rect("Tour of three steps").center());
+    w.click(w.rect("Take the tour").center());
     w.settle();
-    assert!(w.app().model.document().nodes().contains_key("thicken"));
+    assert!(!w.has("Take the tour"), "the examples are put away");
     assert!(w.has("Step 1 of 3"));
     w.picture("tour");
-    for _ in 0..2 {
-        w.click(w.rect("Next").center());
-    }
+    let points = w.param("arc", "points");
+    let at = w.rect("point arc.points 2").center();
+    w.drag(at, at + vec2(20.0, -30.0));
+    assert_ne!(w.param("arc", "points"), points, "first: a point is dragged");
+    w.click(w.rect("Next").center());
+    w.steps(3);
+    assert!(w.has("Step 2 of 3"));
+    let (row, thickness) = (w.rect("input thicken.thickness"), w.param("thicken", "thickness"));
+    w.drag(row.left_center() + vec2(40.0, 0.0), row.left_center() + vec2(row.width() * 0.8, 0.0));
+    assert_ne!(w.param("thicken", "thickness"), thickness, "second: the slider that comes into view");
+    w.click(w.rect("Next").center());
+    w.settle();
+    assert!(w.has("Step 3 of 3"));
+    w.click(w.rect("Boards").center());
+    w.settle();
+    w.click(w.rect("Play").center());
+    w.steps(5);
+    assert!(w.app().boards.player.time > 0.0, "third: the tool moves");
     w.click(w.rect("Done").center());
     let kept = std::fs::read_to_string(state.join("preferences.json")).unwrap();
     assert!(kept.contains("\"toured\": true"), "{kept}");
-    w.app().remember_in(&ctx, Some(state));
+    // Nothing is left beside the example.
+    while w.app().model.undo() {}
+    w.app().model.forget_kept();
+    let mut again = Window::open(None);
+    let ctx = again.harness.ctx.clone();
+    again.app().remember_in(&ctx, Some(state));
+    again.steps(2);
+    assert!(!again.has("Step 1 of 3") && !again.has("Take the tour"));
+}
+
+#[test]
+fn examples_that_were_put_away_do_not_come_back_at_the_next_start() {
+    let state = folder("put-away");
+    let start = || {
+        let mut w = Window::open(None);
+        let ctx = w.harness.ctx.clone();
+        w.app().remember_in(&ctx, Some(state.clone()));
+        w.steps(2);
+        w
+    };
+    let mut w = start();
+    assert!(w.has("Take the tour"));
+    w.key(Modifiers::NONE, Key::Escape);
+    assert!(!w.has("Take the tour"));
+    let mut w = start();
+    assert!(!w.has("Take the tour"));
+    w.click(w.rect("Help").center());
+    w.click(w.rect("Examples …").center());
     w.steps(2);
-    assert!(!w.has("Step 1 of 3"));
+    assert!(w.has("Take the tour"), "the menu has them");
+}
+
+#[test]
+fn the_tour_waits_for_the_answer_about_unsaved_work() {
+    let mut w = Window::open(None);
+    let add = w.app().model.new_node("number", [0.0, 0.0]).1;
+    assert!(w.app().model.edit(add));
+    let text = w.text();
+    for (answer, begins) in [("Cancel", false), ("Discard changes", true)] {
+        w.click(w.rect("Help").center());
+        w.click(w.rect("Tour of three steps").center());
+        w.steps(3);
+        assert!(!w.has("Step 1 of 3"), "not before the question is answered");
+        w.click(w.rect(answer).center());
+        w.settle();
+        assert_eq!(w.has("Step 1 of 3"), begins, "after {answer}");
+        assert_eq!(w.text() == text, !begins);
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::App;
 use super::files::Leave;
 use super::keys::{self, command};
-use crate::panels::Browse;
+use crate::panels::{self, Browse};
 use eframe::egui::{self, Button, Key, KeyboardShortcut, Ui};
 use tenon_engine::NodeState;
 
@@ -79,7 +79,7 @@ impl App {
             self.browse(ui.ctx(), Browse::Save);
         }
         ui.separator();
-        if ui.button("Export the files …").on_hover_text("what tenon run --out would write").clicked() {
+        if ui.button("Export the files …").on_hover_text(panels::EXPORT).clicked() {
             self.browse(ui.ctx(), Browse::Export);
         }
         if ui.button("Load a plugin …").clicked() {

@@ -57,6 +57,8 @@ pub struct App {
     examples: panels::examples::Examples,
     /// The step of the tour that is shown.
     tour: Option<usize>,
+    /// It begins as soon as no question about unsaved work is open.
+    tour_waits: bool,
 }
 
 /// What stands beside the canvas.
@@ -81,6 +83,7 @@ impl App {
             // Clicks are timed by frames, which are slow where the processor draws; desktops wait as long.
             o.input_options.max_double_click_delay = 0.45;
         });
+        crate::theme::install(&ctx);
         let mut viewport = Viewport::default();
         let cpu = |card: &eframe::egui_wgpu::RenderState| {
             card.adapter.get_info().device_type == eframe::wgpu::DeviceType::Cpu
@@ -108,6 +111,7 @@ impl App {
             gallery: Gallery::default(),
             examples: Default::default(),
             tour: None,
+            tour_waits: false,
         };
         if let Some(graph) = graph {
             app.open(graph);
@@ -133,6 +137,13 @@ impl App {
         ui.horizontal(|ui| {
             ui.selectable_value(&mut self.side, Side::Space, "Space");
             ui.selectable_value(&mut self.side, Side::Boards, "Boards");
+            if self.side == Side::Boards && !self.model.results.files.is_empty() {
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    if ui.button("Export the files …").on_hover_text(panels::EXPORT).clicked() {
+                        self.browse(ui.ctx(), panels::Browse::Export);
+                    }
+                });
+            }
         });
         let keys = ui.rect_contains_pointer(ui.max_rect()) && !ui.ctx().egui_wants_keyboard_input();
         let fit = keys && ui.input(|i| i.key_pressed(Key::F));
@@ -173,7 +184,7 @@ impl App {
     }
 
     /// Goes where a click in the lower panel leads.
-    fn went(&mut self, to: panels::Went) {
+    fn went(&mut self, ctx: &egui::Context, to: panels::Went) {
         match to {
             panels::Went::Node(path) => {
                 let depth = self.model.trail().len();
@@ -183,6 +194,7 @@ impl App {
                 }
                 self.canvas.show_all();
             }
+            panels::Went::Export => self.browse(ctx, panels::Browse::Export),
             panels::Went::Panel(picked) => {
                 self.model.go_to(&picked.output);
                 self.viewport.picked = Some(picked);
@@ -259,7 +271,7 @@ impl eframe::App for App {
             egui::Panel::bottom("lower").resizable(true).default_size(200.0).show(ui, |ui| {
                 self.boards.look(ui.ctx(), &self.model);
                 if let Some(went) = self.lower.show(ui, &self.model, self.boards.plays()) {
-                    self.went(went);
+                    self.went(ui.ctx(), went);
                 }
             });
         }

@@ -12,7 +12,7 @@ pub struct Preferences {
     pub theme: ThemePreference,
     /// Scale of everything in the window.
     pub scale: f32,
-    /// The tour was seen or put away.
+    /// The tour or the examples were seen or put away.
     pub toured: bool,
     /// That the processor draws was told.
     pub told_of_software: bool,

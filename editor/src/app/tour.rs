@@ -58,11 +58,12 @@ impl App {
             return;
         }
         let found = self.gallery.found.get_or_insert_with(|| read(ui.ctx()));
-        let (mut open, mut chosen) = (true, None);
+        let (mut open, mut chosen, mut take) = (true, None, false);
         let room = ui.ctx().content_rect();
         let window = Window::new("Examples").open(&mut open).collapsible(false).default_width(700.0);
         let window = window.pivot(Align2::CENTER_CENTER).default_pos(room.center());
         window.default_height((room.height() - 100.0).max(80.0)).show(ui.ctx(), |ui| {
+            take = ui.button("Take the tour").on_hover_text("three steps on the shell of 256 panels").clicked();
             if found.is_empty() {
                 ui.label("The folder graphs with the examples is not beside the program.");
             }
@@ -88,13 +89,28 @@ impl App {
             });
         });
         let escaped = ui.input(|i| i.key_pressed(egui::Key::Escape));
-        self.gallery.open = open && chosen.is_none() && !escaped;
+        self.gallery.open = open && chosen.is_none() && !escaped && !take;
+        if !self.gallery.open {
+            // Who has put it away once finds it in the menu.
+            self.seen_first_steps();
+        }
+        if take {
+            self.begin_tour(ui);
+        }
         if let Some(path) = chosen {
             self.leave(ui, Leave::Open(path));
         }
     }
 
-    /// Begins the tour on the shell.
+    /// Neither examples nor tour are offered at the next start.
+    fn seen_first_steps(&mut self) {
+        if !self.preferences.toured {
+            self.preferences.toured = true;
+            self.keep_preferences();
+        }
+    }
+
+    /// Begins the tour on the shell, once what is not saved may be left.
     pub(super) fn begin_tour(&mut self, ui: &Ui) {
         let shell = examples().map(|f| f.join("shell-256"));
         let there = self.model.document().nodes().contains_key("thicken");
@@ -102,11 +118,16 @@ impl App {
             self.leave(ui, Leave::Open(shell));
         }
         self.gallery.open = false;
-        self.tour = Some(0);
+        self.tour_waits = true;
     }
 
     /// Shows the step of the tour, if one is taken.
     pub(super) fn tour(&mut self, ui: &Ui) {
+        if self.tour_waits && self.leaving.is_none() {
+            self.tour_waits = false;
+            // Without the shell, as when it was not opened after all, there is nothing to go through.
+            self.tour = self.model.document().nodes().contains_key("thicken").then_some(0);
+        }
         let Some(step) = self.tour else { return };
         let Some((what, why)) = STEPS.get(step) else {
             self.tour = None;
@@ -134,8 +155,7 @@ impl App {
                 Canvas::show_all(&mut self.canvas);
             }
             if self.tour.is_none() {
-                self.preferences.toured = true;
-                self.keep_preferences();
+                self.seen_first_steps();
             }
         }
     }

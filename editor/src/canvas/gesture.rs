@@ -12,7 +12,7 @@ use crate::model::catalog::PortInfo;
 use crate::model::param::{Slider, Widget, number, round_step};
 use crate::panels::table::{self, Table};
 use crate::theme;
-use eframe::egui::{Key, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui, Vec2, pos2};
+use eframe::egui::{Key, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui, Vec2};
 use tenon_engine::Operation;
 
 /// What the hand does.

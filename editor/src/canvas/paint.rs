@@ -104,7 +104,7 @@ impl Paint<'_> {
                 (named, _) => named,
             };
             let colour = theme::type_colour(type_name);
-            let colour = if chosen { colour } else { colour.gamma_multiply(0.55) };
+            let colour = self.theme.wire(colour, chosen);
             self.wire(start, end, colour, strands(self.model, wire));
         }
     }

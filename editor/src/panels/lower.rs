@@ -31,6 +31,8 @@ pub enum Went {
     Node(String),
     /// A panel.
     Panel(Picked),
+    /// Where the files of the graph are written.
+    Export,
 }
 
 /// The panel below the canvas.
@@ -70,7 +72,7 @@ impl Lower {
                 self.data.show(ui, model);
                 None
             }
-            Tab::Pieces => self.pieces.show(ui, model, plays).map(Went::Panel),
+            Tab::Pieces => self.pieces.show(ui, model, plays),
         }
     }
 }

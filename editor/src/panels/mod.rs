@@ -16,3 +16,6 @@ pub use help::help;
 pub use inspector::inspector;
 pub(crate) use inspector::step_around;
 pub use lower::{Lower, Tab, Went};
+
+/// What comes of writing the files of a graph.
+pub const EXPORT: &str = "what tenon run --out would write";

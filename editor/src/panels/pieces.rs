@@ -1,6 +1,7 @@
 //! The piece list: every part with where it lies, how large it is and how long it takes, sorted by any column. A click picks
 //! the panel.
 
+use super::lower::Went;
 use crate::model::Model;
 use crate::model::cut::boards;
 use crate::model::play::Play;
@@ -95,8 +96,8 @@ fn cells(p: &Piece) -> [String; 7] {
 }
 
 impl Pieces {
-    /// Shows the list; gives the panel that was clicked.
-    pub fn show(&mut self, ui: &mut Ui, model: &Model, plays: &[Play]) -> Option<Picked> {
+    /// Shows the list; gives what was clicked.
+    pub fn show(&mut self, ui: &mut Ui, model: &Model, plays: &[Play]) -> Option<Went> {
         // The programs come later than the values that they are read from.
         let read = plays.as_ptr() as usize;
         let same = |(count, selection, read_from): &(u64, BTreeSet<String>, usize)| {
@@ -111,6 +112,7 @@ impl Pieces {
             ui.weak("No node gives a layout yet. The pieces appear once parts are packed.");
             return None;
         }
+        let mut went = None;
         ui.horizontal(|ui| {
             let area: f64 = self.all.iter().map(|p| p.area).sum();
             let time: f64 = self.all.iter().map(|p| p.time).sum();
@@ -119,6 +121,9 @@ impl Pieces {
             ui.label(words);
             if ui.button("Copy as CSV").clicked() {
                 ui.ctx().copy_text(self.csv());
+            }
+            if ui.button("Export the files …").on_hover_text(super::EXPORT).clicked() {
+                went = Some(Went::Export);
             }
         });
         let widths = [150.0, 60.0, 80.0, 90.0, 60.0, 60.0, 80.0];
@@ -144,7 +149,6 @@ impl Pieces {
                 }
             }
         });
-        let mut picked = None;
         ScrollArea::vertical().auto_shrink(false).show_rows(ui, height, self.all.len(), |ui, rows| {
             for p in self.all.get(rows).unwrap_or(&[]) {
                 let (rect, row) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::click());
@@ -160,11 +164,11 @@ impl Pieces {
                     x += width + ui.spacing().item_spacing.x;
                 }
                 if row.clicked() {
-                    picked = self.panels.clone().map(|output| Picked { output, part: p.part });
+                    went = self.panels.clone().map(|output| Went::Panel(Picked { output, part: p.part }));
                 }
             }
         });
-        picked
+        went
     }
 
     fn csv(&self) -> String {

@@ -45,7 +45,12 @@ fn rows(row: Row, value: Option<&Json>) -> Option<Vec<Json>> {
 /// Whether a table shows what stands at an input.
 #[must_use]
 pub fn edits(port: &PortInfo, value: Option<&Json>) -> bool {
-    port.access != Access::Item && row_of(port).is_some_and(|row| rows(row, value).is_some())
+    let Some(row) = row_of(port) else { return false };
+    match port.access {
+        // One point has three fields; one number or text is typed where it stands.
+        Access::Item => row == Row::Point && rows(row, value).is_some_and(|r| r.len() == 1),
+        _ => rows(row, value).is_some(),
+    }
 }
 
 /// An open table.
@@ -99,6 +104,7 @@ impl Table {
         };
         let weighted = model.catalog.of(node).inputs.iter().any(|p| p.name == "weights") && self.port.name == "points";
         let weights = weighted.then(|| weights(model.param(&self.node, "weights").as_ref(), list.len()));
+        let single = self.port.access == Access::Item;
         ui.weak(&self.port.doc);
         let (mut change, mut busy) = (None, false);
         let height = ui.spacing().interact_size.y;
@@ -120,6 +126,9 @@ impl Table {
                             change = Some(Change::Weight(i, w));
                         }
                     }
+                    if single {
+                        return;
+                    }
                     if ui.add_enabled(i > 0, Button::new("⬆").small()).on_hover_text("one up").clicked() {
                         change = Some(Change::Up(i));
                     }
@@ -129,12 +138,14 @@ impl Table {
                 });
             }
         });
-        ui.horizontal(|ui| {
-            if ui.button("Add a row").clicked() {
-                change = Some(Change::Add);
-            }
-            ui.weak(format!("{} rows", list.len()));
-        });
+        if !single {
+            ui.horizontal(|ui| {
+                if ui.button("Add a row").clicked() {
+                    change = Some(Change::Add);
+                }
+                ui.weak(format!("{} rows", list.len()));
+            });
+        }
         if busy && !self.turning {
             model.begin();
         }
@@ -173,7 +184,11 @@ impl Table {
             }
         }
         let set = |port: &str, value| Operation::SetParam { node: self.node.clone(), port: port.to_owned(), value };
-        let mut operations = vec![set(&self.port.name, Some(list.into_iter().collect()))];
+        let value = match self.port.access {
+            Access::Item => list.into_iter().next(),
+            _ => Some(list.into_iter().collect()),
+        };
+        let mut operations = vec![set(&self.port.name, value)];
         if all != was && !(plain(&all) && plain(&was)) {
             let value = (!plain(&all)).then(|| all.into_iter().map(number).collect());
             operations.push(set("weights", value));

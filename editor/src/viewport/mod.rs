@@ -396,10 +396,10 @@ impl Viewport {
             clipped: true,
             ..Shown::plain(key, drawing, theme.faint, line)
         };
-        for r in references(model) {
+        for (i, r) in references(model).into_iter().enumerate() {
             let Some(seen) = self.references.seen(&r.file) else { continue };
             let (picture, place) = (seen.picture.clone(), r.place());
-            let behind = plain(format!("behind {}", r.file), seen.drawing.clone(), theme.faint);
+            let behind = plain(format!("behind {i} {}", r.file), seen.drawing.clone(), theme.faint);
             shown.push(Shown { picture, place, ..behind });
         }
         if let Some(paths) = Some(()).filter(|()| self.tool_paths).and_then(|()| self.paths.of(ui.ctx(), model)) {

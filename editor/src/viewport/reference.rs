@@ -12,7 +12,7 @@ use crate::theme::Theme;
 use eframe::egui::{Button, Context, DragValue, Response, Ui, WidgetInfo, WidgetType};
 use glam::{DMat4, DVec3};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tenon_engine::{Diagnostic, Json, Operation, Table, Tree, digest_bytes};
 use tenon_nodes::io::read_obj;
@@ -20,6 +20,8 @@ use tenon_nodes::value::V;
 
 /// The key of the layout file under which they stand.
 const KEY: &str = "references";
+/// What it is called that one cannot be shown.
+const BAD: &str = "bad-reference";
 /// How wide a picture is at first, mm.
 const WIDTH: f64 = 5000.0;
 /// Longest side of a picture on the card, pixels.
@@ -132,7 +134,10 @@ impl Read {
 /// The files behind the model, read beside the window.
 #[derive(Default)]
 pub struct References {
-    files: BTreeMap<String, Read>,
+    /// By their whole paths: a graph that is saved into another folder names other files.
+    files: BTreeMap<PathBuf, Read>,
+    /// The graph's folder.
+    folder: PathBuf,
     /// What stands in the layout once it could be read.
     new: BTreeSet<String>,
 }
@@ -146,12 +151,12 @@ impl References {
 
     /// The files that are being read.
     pub(super) fn coming(&self) -> impl Iterator<Item = &str> {
-        self.files.iter().filter(|(_, f)| !f.seen.settled()).map(|(name, _)| name.as_str())
+        self.files.iter().filter(|(_, f)| !f.seen.settled()).filter_map(|(path, _)| path.file_name()?.to_str())
     }
 
     /// What a file shows, once it is read.
     pub(super) fn seen(&self, file: &str) -> Option<&Seen> {
-        self.files.get(file)?.now()?.ok()
+        self.files.get(&self.folder.join(file))?.now()?.ok()
     }
 
     /// Smallest and largest coordinates of each that is read, mm.
@@ -173,30 +178,34 @@ impl References {
     /// Reads what the layout names and is not read yet, takes what was read, and tells what could not be.
     fn follow(&mut self, ctx: &Context, model: &mut Model) {
         let kept: BTreeSet<String> = references(model).into_iter().map(|r| r.file).collect();
-        self.files.retain(|file, _| kept.contains(file) || self.new.contains(file));
-        let folder = model.path().and_then(Path::parent).map(Path::to_owned).unwrap_or_default();
+        self.folder = folder_of(model);
+        let wanted: BTreeSet<PathBuf> = kept.union(&self.new).map(|file| self.folder.join(file)).collect();
+        self.files.retain(|path, _| wanted.contains(path));
         let mut wrong = Vec::new();
         for file in kept.union(&self.new) {
-            let entry = self.files.entry(file.clone()).or_default();
-            let (path, ctx) = (folder.join(file), ctx.clone());
+            let (path, ctx) = (self.folder.join(file), ctx.clone());
+            let entry = self.files.entry(path.clone()).or_default();
             entry.seen.want(0, move || ctx.request_repaint(), move || read(&path));
             if let (Some(Err(why)), false) = (entry.now(), entry.told) {
                 wrong.push((file.clone(), why.to_owned()));
                 entry.told = true;
             }
         }
+        let read: Vec<String> = self.new.iter().filter(|f| self.seen(f).is_some()).cloned().collect();
+        self.new.retain(|file| !read.contains(file));
+        let fresh: Vec<Reference> = read.iter().filter(|f| !kept.contains(*f)).map(|f| Reference::new(f)).collect();
+        if !fresh.is_empty() {
+            let mut all = references(model);
+            all.extend(fresh);
+            // A change clears what was told; that another file cannot be shown stays told.
+            let told = model.message.take().filter(|m| m.code == BAD);
+            model.message = model.apply_to_whole(set(&all)).err().or(told);
+        }
+        // Told last, so that what was shown at the same time does not hide it.
         for (file, why) in wrong {
             self.new.remove(&file);
-            model.message = Some(Diagnostic::error("bad-reference", format!("{file} cannot be shown: {why}")));
+            model.message = Some(Diagnostic::error(BAD, format!("{file} cannot be shown: {why}")));
         }
-        let read: Vec<String> = self.new.iter().filter(|f| self.seen(f).is_some()).cloned().collect();
-        if read.is_empty() {
-            return;
-        }
-        self.new.retain(|file| !read.contains(file));
-        let mut all = references(model);
-        all.extend(read.iter().filter(|f| !kept.contains(*f)).map(|f| Reference::new(f)));
-        model.message = model.apply_to_whole(set(&all)).err();
     }
 }
 
@@ -206,7 +215,7 @@ impl Viewport {
     pub fn refer_to(&mut self, model: &Model, path: &Path) {
         let file = name_in(model.path(), path);
         // It may have changed since it was read.
-        self.references.files.remove(&file);
+        self.references.files.remove(&folder_of(model).join(&file));
         self.references.new.insert(file);
     }
 
@@ -219,7 +228,11 @@ impl Viewport {
     pub(super) fn edit_references(&self, ui: &mut Ui, model: &mut Model) {
         let mut all = references(model);
         let before = all.clone();
-        all.retain_mut(|reference| !self.edit_reference(ui, model, reference));
+        let mut index = 0;
+        all.retain_mut(|reference| {
+            index += 1;
+            !ui.push_id(index, |ui| self.edit_reference(ui, model, reference)).inner
+        });
         if all != before {
             model.message = model.apply_to_whole(set(&all)).err();
         }
@@ -228,7 +241,7 @@ impl Viewport {
     /// The numbers of one; true if it is not to be shown any more.
     fn edit_reference(&self, ui: &mut Ui, model: &mut Model, r: &mut Reference) -> bool {
         let name = r.name().to_owned();
-        let read = self.references.files.get(&r.file).and_then(Read::now);
+        let read = self.references.files.get(&folder_of(model).join(&r.file)).and_then(Read::now);
         let gone = ui.horizontal(|ui| {
             ui.weak(&name).on_hover_text(&r.file);
             match read {
@@ -266,6 +279,11 @@ impl Viewport {
         });
         gone.inner
     }
+}
+
+/// The folder from which files of a graph are named.
+fn folder_of(model: &Model) -> PathBuf {
+    model.path().and_then(Path::parent).map(Path::to_owned).unwrap_or_default()
 }
 
 fn is_mesh(file: &str) -> bool {
