@@ -81,19 +81,28 @@ def test_a_control_point_is_dragged_in_space_and_saved(window, tmp_path):
 
 def test_a_kill_loses_at_most_the_last_second(window, tmp_path):
     graph = copy(tmp_path)
-    text, was = graph.read_bytes(), points(graph)[1]
     w = window(graph)
     w.settled()
-    drag_point(w)
+    values = [points(graph)[1]]
+    for _ in range(2):
+        drag_point(w)
+        w.key("ctrl+s")
+        w.until(lambda: points(graph)[1] != values[-1], "the file has changed")
+        values.append(points(graph)[1])
+    # The last step is taken back: what the window holds now is known, and stands neither in the file nor in the first one.
+    w.key("ctrl+z")
+    text, last = graph.read_bytes(), values[1]
     time.sleep(1.0)
     w.kill()
     assert graph.read_bytes() == text, "the file itself is as it was"
+    assert points(graph)[1] != last != values[0]
 
     w = window(graph)
     w.click(w.middle("Recover it"))
     w.until(lambda: not w.has("Recover it"), "the work is taken")
     w.key("ctrl+s")
-    w.until(lambda: points(graph)[1] != was, "the work is back, and saved")
+    w.until(lambda: graph.read_bytes() != text, "the work is back, and saved")
+    assert points(graph)[1] == last, "as it was before the kill"
 
 
 def test_an_idle_window_rests(window, tmp_path):
