@@ -250,10 +250,10 @@ fn one_file_stands_behind_the_model_twice_and_is_read_anew_in_another_folder() {
     w.app().viewport.camera.stand(Standard::Top);
     w.app().viewport.camera.fit(area, [glam::DVec3::ZERO, glam::DVec3::new(15000.0, 2500.0, 0.0)]);
     w.steps(2);
-    let picture = w.app().viewport.picture([300, 200]).unwrap();
+    let picture = w.picture("references-twice");
     let red = |left: bool| {
-        let own = picture.enumerate_pixels().filter(|(x, _, _)| (*x < 150) == left);
-        own.filter(|(_, _, p)| p[0] > 150 && p[1] < 60).count()
+        let own = picture.enumerate_pixels().filter(|(x, _, _)| ((*x as f32) < area.center().x) == left);
+        own.filter(|(_, _, p)| p[0] > 150 && p[1] < 60 && p[2] < 60).count()
     };
     assert!(red(true) > 300 && red(false) > 300, "{} and {} pixels are red", red(true), red(false));
     // A graph that is saved elsewhere names the files that lie there.
