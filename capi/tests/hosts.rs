@@ -148,8 +148,8 @@ fn all_hosts_are_clean_under_valgrind() {
         command.args(["--quiet", "--error-exitcode=9", "--leak-check=full", "--show-leak-kinds=definite,indirect"]);
         // Its threads take turns, or one that waits for another may wait for minutes.
         command.args(["--errors-for-leak-kinds=definite,indirect", "--fair-sched=try"]);
-        // Few moves: every instruction is watched.
-        command.arg(compile(source, &[])).env("MOVES", "5");
+        // Few moves, if nobody asks for more: every instruction is watched.
+        command.arg(compile(source, &[])).env("MOVES", std::env::var("TENON_MOVES").unwrap_or_else(|_| "5".into()));
         prepare(&mut command);
         // It refuses to seal shared memory, through which plugins in processes of their own are spoken to.
         command.env_remove("TENON_PLUGIN_HOST");

@@ -22,6 +22,9 @@ fn every_shipped_graph_is_without_errors_and_in_canonical_form() {
         let path = path.to_str().unwrap();
         folder.tenon(&["check", path]).code(0);
         folder.tenon(&["fmt", "--check", path]).code(0);
+        let name = std::path::Path::new(path).file_name().and_then(|n| n.to_str()).unwrap();
+        let expected = format!("{path}/{name}.expect.json");
+        assert!(std::path::Path::new(&expected).exists(), "no {expected}");
         count += 1;
     }
     assert!(count >= 3);

@@ -114,6 +114,27 @@ fn a_changed_graph_runs_what_is_new_and_half_a_graph_is_waited_out() {
     assert_eq!(watch.end(), Some(0));
 }
 
+/// A graph that links a cluster, and that cluster's file.
+const LINKS: &str = r#"{"format": "tenon", "version": 1, "units": "mm",
+  "clusters": {"lib": {"file": "lib.tenon.json"}},
+  "nodes": {"k": {"type": "cluster:lib", "v": 1}, "n": {"type": "number", "v": 1, "params": {"value": 1}}}}"#;
+const LINKED: &str = r#"{"format": "tenon", "version": 1, "units": "mm",
+  "interface": {"version": 1, "inputs": {}, "outputs": {"value": {"port": "inner.value"}}},
+  "nodes": {"inner": {"type": "number", "v": 1, "params": {"value": 1}}}}"#;
+
+#[test]
+fn a_changed_file_of_a_linked_cluster_runs_what_is_new_in_it() {
+    let folder = Folder::with("g.tenon.json", LINKS);
+    folder.write("lib.tenon.json", LINKED);
+    let watch = Watch::start(&folder, &["g.tenon.json", "--json"]);
+    let first = watch.json();
+    assert_eq!((&first["ok"], happened(&first, "k/inner")), (&Value::from(true), Some("executed")), "{first}");
+    folder.write("lib.tenon.json", LINKED.replace(r#""value": 1}"#, r#""value": 2}"#));
+    let second = watch.json();
+    assert_eq!((happened(&second, "k/inner"), happened(&second, "n")), (Some("executed"), Some("cut-off")), "{second}");
+    assert_eq!(watch.end(), Some(0));
+}
+
 #[test]
 fn people_are_told_what_ran_and_for_how_long() {
     let folder = Folder::with("g.tenon.json", NUMBERS);

@@ -296,3 +296,74 @@ fn a_frozen_node_that_is_renamed_keeps_its_output() {
     evaluate(&mut s, &[]);
     assert_eq!(items(&s, "b.value"), json!([12.0]));
 }
+
+/// A session with two types more: `negative` says that it is cheap, and `dear` takes a while.
+fn with_cheap_and_dear(nodes: Json, cache_bytes: usize) -> Session {
+    let number = |n: &'static str| Port::item::<f64>(n);
+    let mut all = Registry::new();
+    let types = [
+        NodeType::new("negative", 1).cheap().input(number("a").default(1.0)).output(number("value")).run(|c| {
+            let v = -c.number("a")?;
+            c.set("value", v);
+            Ok(())
+        }),
+        NodeType::new("dear", 1).input(number("a").default(1.0)).output(number("value")).run(|c| {
+            std::thread::sleep(std::time::Duration::from_millis(30));
+            let v = c.number("a")?;
+            c.set("value", v);
+            Ok(())
+        }),
+        NodeType::new("long", 1).input(number("a").default(1.0)).output(Port::list::<f64>("values")).run(|c| {
+            let v = c.number("a")?;
+            c.set_list("values", (0..20_000).map(|i| v + f64::from(i)).collect());
+            Ok(())
+        }),
+    ];
+    for t in types {
+        all.register(t).expect("test nodes are sound");
+    }
+    Session::new(std::sync::Arc::new(all), document(nodes), Options { cache_bytes, ..Options::default() })
+}
+
+#[test]
+fn cheap_nodes_run_again_rather_than_being_remembered_and_keep_what_they_gave() {
+    for budget in [1 << 30, 0] {
+        let mut s = with_cheap_and_dear(json!({"n": {"type": "negative"}}), budget);
+        for (a, expected) in [(1, "executed n"), (2, "executed n"), (1, "executed n")] {
+            s.set("n.a", json!(a)).expect("accepted");
+            evaluate(&mut s, &[]);
+            assert_eq!((log(&mut s), items(&s, "n.value")), (expected.to_owned(), json!([-f64::from(a)])));
+        }
+        assert_eq!(s.cache_bytes(), 0);
+    }
+}
+
+#[test]
+fn what_is_dear_and_small_stays_longer_than_what_is_quick_and_large() {
+    // Room for one list and some numbers.
+    let mut s = with_cheap_and_dear(json!({"a": {"type": "dear"}, "b": {"type": "long"}}), 250_000);
+    for v in [1, 2] {
+        s.set("a.a", json!(v)).expect("accepted");
+        s.set("b.a", json!(v)).expect("accepted");
+        evaluate(&mut s, &[]);
+        assert_eq!(log(&mut s), "executed a, executed b");
+    }
+    s.set("a.a", json!(1)).expect("accepted");
+    s.set("b.a", json!(1)).expect("accepted");
+    evaluate(&mut s, &[]);
+    // Which of the lists went depends on how long each took.
+    let said = log(&mut s);
+    assert!(said.starts_with("memo a, ") && s.cache_bytes() <= 250_000, "{said}, {}", s.cache_bytes());
+}
+
+#[test]
+fn a_frozen_node_is_never_evicted() {
+    let mut nodes = json!({"a": {"type": "dear"}, "b": {"type": "long", "inputs": {"a": {"from": ["a.value"]}}}});
+    nodes["a"]["state"] = json!("frozen");
+    let mut s = with_cheap_and_dear(nodes, 0);
+    evaluate(&mut s, &["b.values"]);
+    assert_eq!(log(&mut s), "executed a, executed b");
+    s.edit(&Operation::SetParam { node: "a".into(), port: "a".into(), value: Some(json!(5)) }).expect("accepted");
+    evaluate(&mut s, &["b.values"]);
+    assert_eq!((log(&mut s), items(&s, "a.value")), (String::new(), json!([1.0])));
+}

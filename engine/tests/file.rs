@@ -68,6 +68,18 @@ fn unknown_nodes_and_foreign_data_stay_byte_for_byte() {
     let again = Document::from_slice(out.as_bytes()).unwrap_or_else(|e| panic!("{e:?}"));
     assert_eq!(again.to_string_canonical_for(&registry()), out);
     assert_eq!(again, document);
+    // Nor does it matter what is done to others.
+    let mut edited = document;
+    let edits = [
+        Operation::AddNode { id: "a".into(), node: Box::new(Node::new("number")) },
+        Operation::SetParam { node: "a".into(), port: "value".into(), value: Some(json!(2.5)) },
+        Operation::Rename { from: "a".into(), to: "z".into() },
+    ];
+    for edit in &edits {
+        edit.apply(&mut edited).unwrap_or_else(|e| panic!("{e:?}"));
+    }
+    let out = edited.to_string_canonical_for(&registry());
+    assert!(out.contains(node) && out.contains("\"x\": [1.0,   2e0]") && out.contains("\"z\": "), "{out}");
 }
 
 #[test]

@@ -550,3 +550,14 @@ fn looks_follow_their_node_and_come_back_with_it() {
     assert_eq!(changed.layout_to_string(), plain, "the default is not written");
     assert!(apply(&mut document, set("nobody", hidden)).is_err());
 }
+
+#[test]
+fn each_step_of_a_history_says_what_is_wrong_with_the_graph_then() {
+    let mut d = document(json!({"t": {"type": "text"}, "r": {"type": "root", "params": {"a": 4}}}));
+    let (mut history, registry) = (History::with_limit(0), registry());
+    let wire = Operation::Connect { node: "r".into(), port: "a".into(), from: "t.text".into(), at: None };
+    let told = history.apply(&mut d, &wire, &registry).expect("types are no matter of operations");
+    assert_eq!(told.iter().map(|d| &*d.code).collect::<Vec<_>>(), ["wrong-type"], "{told:?}");
+    assert!(history.undo(&mut d).expect("it can be taken back"));
+    assert_eq!(d.validate(&registry), []);
+}

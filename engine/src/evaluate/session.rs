@@ -505,6 +505,12 @@ impl Session {
         self.events.take()
     }
 
+    /// Keeps remembered results within so many bytes from the next evaluation on, instead of [`Options::cache_bytes`].
+    /// Neither counts what cheap nodes, frozen nodes and targets have at their outputs.
+    pub fn limit_cache(&mut self, bytes: usize) {
+        self.options.cache_bytes = bytes;
+    }
+
     /// Bytes of remembered results.
     #[must_use]
     pub fn cache_bytes(&self) -> usize {

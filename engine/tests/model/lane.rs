@@ -32,6 +32,9 @@ pub struct Lane {
     /// Evaluations that were compared, and those that could not be.
     pub compared: usize,
     pub skipped: usize,
+    /// Results that were dropped, and evaluations that were cancelled.
+    pub evicted: usize,
+    pub cancelled: usize,
 }
 
 macro_rules! ensure {
@@ -64,7 +67,7 @@ impl Lane {
             Options { threads: kind.threads, cache_bytes: kind.cache_bytes, host: disk.clone(), ..Options::default() };
         let session = Session::new(registry(&calls, Vec::new()), Document::new(), options);
         let (history, last) = (History::with_limit(0), BTreeMap::new());
-        Self { kind, session, calls, disk, history, last, compared: 0, skipped: 0 }
+        Self { kind, session, calls, disk, history, last, compared: 0, skipped: 0, evicted: 0, cancelled: 0 }
     }
 
     /// Takes a step; gives the log of an evaluation.
@@ -97,6 +100,11 @@ impl Lane {
                 ensure!(again == *document, "what was written is read as something else");
                 self.session.replace(again);
                 self.forget();
+            }
+            Step::Room(bytes) => {
+                if !self.kind.keeps_everything() {
+                    self.session.limit_cache(*bytes);
+                }
             }
             Step::Begin => self.history.begin(),
             Step::Commit => self.history.commit(),
@@ -211,7 +219,9 @@ impl Lane {
         let before: Vec<Option<u128>> = self.all_values();
         let report = self.session.evaluate(&names, &Control { cancel: flag, ..Control::default() });
         let (calls, events) = (self.calls.take(), self.session.take_events());
+        self.evicted += events.iter().filter(|e| matches!(e, Event::Evicted(_))).count();
         if report.cancelled {
+            self.cancelled += 1;
             ensure!(report.nodes.is_empty(), "a cancelled evaluation reports nodes");
             // What nobody asks for is looked at again if a cancelled evaluation was near it; until then it is not shown.
             let same = |(a, b): (&Option<u128>, &Option<u128>)| a == b || a.is_none();

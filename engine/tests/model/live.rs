@@ -64,6 +64,7 @@ impl Watched {
                     return Err("a value was refused, but something has changed".into());
                 }
             }
+            Step::Room(_) => {}
             Step::Begin => self.live.begin_step(),
             Step::Commit => self.live.end_step(),
             Step::Undo => drop(self.live.undo().map_err(|e| e.to_string())?),

@@ -29,6 +29,8 @@ const KINDS: [Kind; 4] = [
 struct Tally {
     compared: usize,
     skipped: usize,
+    evicted: usize,
+    cancelled: usize,
 }
 
 /// Takes a script through all lanes; says at which step and how it went wrong.
@@ -51,6 +53,8 @@ fn run(steps: &[Step], tally: &mut Tally) -> Result<(), String> {
         lane.finish().map_err(|e| format!("the end, {:?}: {e}", lane.kind))?;
         tally.compared += lane.compared;
         tally.skipped += lane.skipped;
+        tally.evicted += lane.evicted;
+        tally.cancelled += lane.cancelled;
     }
     Ok(())
 }
@@ -101,6 +105,8 @@ fn after_any_script_a_session_is_what_a_fresh_one_is() {
     }
     println!("{scripts} scripts, {} evaluations compared, {} not", tally.compared, tally.skipped);
     assert!(tally.compared > 40 * scripts && tally.skipped * 20 < tally.compared, "too little was compared");
+    println!("{} results dropped, {} evaluations cancelled", tally.evicted, tally.cancelled);
+    assert!(tally.evicted > scripts && 4 * tally.cancelled > scripts, "too little was dropped or cancelled");
 }
 
 #[test]

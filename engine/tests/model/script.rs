@@ -25,6 +25,8 @@ pub enum Step {
     Gather(Vec<String>, String, String),
     /// An instance is taken apart.
     Explode(String),
+    /// From now on there is room for so many bytes in the cache, where it is not to keep everything.
+    Room(usize),
     /// The file that clusters are linked from changes, or goes.
     Library(Option<f64>),
     Evaluate(Vec<String>),
@@ -392,6 +394,7 @@ pub fn script(seed: i64, length: usize) -> Vec<Step> {
                 60..64 => Step::Undo,
                 64 | 65 => Step::Redo,
                 66 => Step::Reload,
+                67 if dice.chance(50) => Step::Room(*dice.of(&[0, 300, 1500, 6000])),
                 67 => Step::Begin,
                 68 => Step::Commit,
                 70..76 => gather(&mut dice, &mut shadow),
