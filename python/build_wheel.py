@@ -1,6 +1,6 @@
-"""Builds libtenon and packs it with the package as a wheel: python3 python/build_wheel.py [FOLDER]
+"""Builds libtenon and packs it with the package as a wheel: python3 python/build_wheel.py [FOLDER [LIBRARY]]
 
-The wheel is for this system and any Python 3; it holds the package, the library and nothing else.
+With LIBRARY nothing is built: it is packed as it is. The wheel is for this system and any Python 3; it holds the package, the library and nothing else.
 """
 
 import base64
@@ -28,13 +28,16 @@ Requires-Dist: numpy>=1.22
 
 def main() -> None:
     out = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "target" / "wheels")
-    subprocess.run(["cargo", "build", "--release", "--quiet", "-p", "tenon-capi"], cwd=ROOT, check=True)
-    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+    if len(sys.argv) > 2:
+        library = Path(sys.argv[2])
+    else:
+        subprocess.run(["cargo", "build", "--release", "--quiet", "-p", "tenon-capi"], cwd=ROOT, check=True)
+        library = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / LIBRARY
     tag = f"py3-none-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
     info = f"tenon-{VERSION}.dist-info"
     modules = sorted(p for p in (HERE / "tenon").rglob("*") if p.suffix in (".py", ".typed"))
     files = {p.relative_to(HERE).as_posix(): p.read_bytes() for p in modules}
-    files[f"tenon/{LIBRARY}"] = (target / "release" / LIBRARY).read_bytes()
+    files[f"tenon/{LIBRARY}"] = library.read_bytes()
     files[f"{info}/METADATA"] = METADATA.encode()
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: build_wheel.py\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()
     record = ""

@@ -121,7 +121,8 @@ pub fn run(editor: bool) -> Result<(), String> {
     crate::sdk::lay_out(&share.join("plugin-sdk"))?;
     // The wheel holds the same library.
     let mut wheel = Command::new("python3");
-    call(wheel.arg("python/build_wheel.py").arg(share.join("python")))?;
+    let library = place.join("lib").join(library(DLL_PREFIX, DLL_SUFFIX));
+    call(wheel.arg("python/build_wheel.py").arg(share.join("python")).arg(library))?;
     println!("{}", place.display());
     Ok(())
 }
