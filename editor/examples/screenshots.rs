@@ -4,7 +4,7 @@
 #[path = "../tests/common.rs"]
 mod common;
 
-use common::{Window, example, graph, root};
+use common::{WRONG, Window, example, graph, root};
 use eframe::egui::{Theme, pos2, vec2};
 use image::DynamicImage;
 use image::codecs::png::{CompressionType, FilterType as Rows, PngEncoder};
@@ -15,19 +15,6 @@ use tenon_editor::panels::Tab;
 use tenon_editor::scene::Part;
 use tenon_editor::viewport::{Clip, Measure};
 use tenon_engine::Operation;
-
-/// A graph of which something is wrong, so that there is something to tell.
-const WRONG: &str = r#"{
-  "format": "tenon",
-  "version": 1,
-  "nodes": {
-    "count": { "type": "integer", "v": 1, "params": { "value": -5 } },
-    "series": { "type": "series", "v": 1, "inputs": { "count": { "from": ["count.value"] } } },
-    "points": { "type": "point", "v": 1, "inputs": { "x": { "from": ["series.numbers"] } } },
-    "later": { "type": "number", "v": 1, "params": { "value": 3 }, "state": "disabled" },
-    "clamp": { "type": "camlock.connector", "v": 1 }
-  }
-}"#;
 
 fn main() {
     // The window shows them among the examples.

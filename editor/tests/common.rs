@@ -7,6 +7,19 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use tenon_editor::app::App;
 
+/// A graph of which something is wrong, is missing, and is switched off.
+pub const WRONG: &str = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "count": { "type": "number", "v": 1, "params": { "value": -5 } },
+    "series": { "type": "series", "v": 1, "inputs": { "count": { "from": ["count.value"] } } },
+    "point": { "type": "point", "v": 1, "inputs": { "x": { "from": ["series.numbers"] } } },
+    "off": { "type": "number", "v": 1, "state": "disabled" },
+    "unknown": { "type": "nobody.knows", "v": 1 }
+  }
+}"#;
+
 /// The repository.
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()

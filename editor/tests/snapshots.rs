@@ -3,7 +3,7 @@
 //! letters) and from run to run (times) does not count, and what anybody would see does. The whole pictures are left in
 //! `target/editor`.
 
-use crate::common::{Window, example, graph, root};
+use crate::common::{WRONG, Window, example, graph, root};
 use eframe::egui::{Theme, pos2, vec2};
 use image::codecs::png::{CompressionType, FilterType as Rows, PngEncoder};
 use image::imageops::{FilterType, resize};
@@ -19,19 +19,6 @@ const REDUCED: u32 = 10;
 const TILE: u32 = 8;
 /// How far the mean of a tile's channels may be off, of 255.
 const OFF: f64 = 2.0;
-
-/// A graph of which something is wrong, is missing, and is switched off.
-const WRONG: &str = r#"{
-  "format": "tenon",
-  "version": 1,
-  "nodes": {
-    "count": { "type": "number", "v": 1, "params": { "value": -5 } },
-    "series": { "type": "series", "v": 1, "inputs": { "count": { "from": ["count.value"] } } },
-    "point": { "type": "point", "v": 1, "inputs": { "x": { "from": ["series.numbers"] } } },
-    "off": { "type": "number", "v": 1, "state": "disabled" },
-    "unknown": { "type": "nobody.knows", "v": 1 }
-  }
-}"#;
 
 fn path(name: &str) -> PathBuf {
     root().join(format!("editor/tests/snapshots/{name}.png"))

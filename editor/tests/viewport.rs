@@ -3,6 +3,7 @@
 
 use crate::common::{Window, example, folder, graph};
 use eframe::egui::{Key, Modifiers, vec2};
+use std::path::PathBuf;
 use tenon_editor::viewport::{Clip, Measure, Standard, references};
 use tenon_engine::{Operation, Table};
 
@@ -154,12 +155,17 @@ fn choose_reference(w: &mut Window, path: &std::path::Path) {
     w.settle();
 }
 
+/// A graph of one number, and a red picture beside it.
+fn graph_and_photo(name: &str, photo: &str) -> (PathBuf, PathBuf) {
+    let path = graph(name, r#"{ "format": "tenon", "version": 1, "nodes": { "n": { "type": "number", "v": 1 } } }"#);
+    let photo = path.with_file_name(photo);
+    image::RgbImage::from_pixel(80, 40, image::Rgb([250, 20, 20])).save(&photo).unwrap();
+    (path, photo)
+}
+
 #[test]
 fn what_stands_behind_the_model_is_kept_with_the_graph_and_told_if_its_file_is_missing() {
-    let text = r#"{ "format": "tenon", "version": 1, "nodes": { "n": { "type": "number", "v": 1 } } }"#;
-    let path = graph("kept-behind", text);
-    let photo = path.with_file_name("photo.jpg");
-    image::RgbImage::from_pixel(80, 40, image::Rgb([200, 30, 30])).save(&photo).unwrap();
+    let (path, photo) = graph_and_photo("kept-behind", "photo.jpg");
     let mut w = Window::open(Some(&path));
     choose_reference(&mut w, &photo);
     assert!(w.app().model.unsaved(), "{:?}", w.app().model.message);
@@ -224,10 +230,7 @@ fn weights_and_subdivision_points_are_taken_by_hand() {
 
 #[test]
 fn one_file_stands_behind_the_model_twice_and_is_read_anew_in_another_folder() {
-    let text = r#"{ "format": "tenon", "version": 1, "nodes": { "n": { "type": "number", "v": 1 } } }"#;
-    let path = graph("twice-behind", text);
-    let photo = path.with_file_name("photo.png");
-    image::RgbImage::from_pixel(80, 40, image::Rgb([250, 20, 20])).save(&photo).unwrap();
+    let (path, photo) = graph_and_photo("twice-behind", "photo.png");
     let mut w = Window::open(Some(&path));
     w.drop_file(&photo);
     w.settle();

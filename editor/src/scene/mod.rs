@@ -1,15 +1,19 @@
 //! From values to what a graphics card draws: triangles, lines and points, with the part (panel, face) that each belongs
 //! to. No window is needed here; it runs beside the evaluation.
 
+mod figures;
+mod pick;
+
+use figures::{conicity, fold, off_plane};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::LazyLock;
 use tenon_engine::{Column, Tree};
+use tenon_geometry::DVec3;
 use tenon_geometry::ifs::Curve;
 use tenon_geometry::mesh::Mesh;
 use tenon_geometry::panel::PanelSet;
-use tenon_geometry::{DVec2, DVec3};
 use tenon_nodes::value::{Point, V};
 
 /// Item types that can be seen in the viewport.
@@ -380,158 +384,12 @@ impl Drawing {
         }
     }
 
-    /// The part that a ray meets first where `seen` holds, and how far away, in lengths of `direction`. O(parts + triangles of
-    /// parts whose boxes it meets).
-    #[must_use]
-    pub fn pick(&self, origin: DVec3, direction: DVec3, seen: impl Fn(DVec3) -> bool) -> Option<(u32, f64)> {
-        let mut best: Option<(u32, f64)> = None;
-        for own in self.boxes.iter().filter(|b| b.meets(origin, direction)) {
-            for t in self.triangles[own.corners.clone()].chunks_exact(3) {
-                let [a, b, c] = [t[0], t[1], t[2]].map(|v| DVec3::from(v.position.map(f64::from)));
-                if let Some(at) = meet(origin, direction, a, b, c)
-                    && best.is_none_or(|(_, best)| at < best)
-                    && seen(origin + direction * at)
-                {
-                    best = Some((t[0].part, at));
-                }
-            }
-        }
-        best
-    }
-
-    /// The curve or point that is seen nearest to a place of the picture, no farther than `near`, and where that is in space.
-    /// `picture` says where a place in space is seen; none where it is not. O(lines + points).
-    #[must_use]
-    pub fn pick_thin(
-        &self,
-        at: DVec2,
-        near: f64,
-        picture: impl Fn(DVec3) -> Option<DVec2>,
-    ) -> Option<(u32, DVec3, f64)> {
-        let mut best: Option<(u32, DVec3, f64)> = None;
-        let mut take = |part, place, away: f64| {
-            if away <= near && best.is_none_or(|b| away < b.2) {
-                best = Some((part, place, away));
-            }
-        };
-        let space = |p: [f32; 3]| DVec3::from(p.map(f64::from));
-        if self.kind == Kind::Curve {
-            for line in &self.lines {
-                let (from, to) = (space(line.from), space(line.to));
-                let (Some(a), Some(b)) = (picture(from), picture(to)) else { continue };
-                let t = ((at - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
-                take(line.part, from.lerp(to, t), a.lerp(b, t).distance(at));
-            }
-        }
-        for (i, point) in self.points.iter().enumerate() {
-            if let Some(p) = picture(space(*point)) {
-                take(i as u32, space(*point), p.distance(at));
-            }
-        }
-        best
-    }
-
     /// The corners of a part's triangles. O(parts).
     pub fn corners_of(&self, part: u32) -> impl Iterator<Item = DVec3> {
         let own = move |b: &&PartBox| self.triangles.get(b.corners.start).is_some_and(|v| v.part == part);
         let corners = self.boxes.iter().filter(own).flat_map(|b| &self.triangles[b.corners.clone()]);
         corners.map(|v| DVec3::from(v.position.map(f64::from)))
     }
-}
-
-impl PartBox {
-    /// Whether a ray goes through the box, a little widened for its rounding (Kay, Kajiya 1986).
-    fn meets(&self, origin: DVec3, direction: DVec3) -> bool {
-        let (low, high) = (self.low.as_dvec3() - DVec3::splat(1e-3), self.high.as_dvec3() + DVec3::splat(1e-3));
-        let (a, b) = ((low - origin) / direction, (high - origin) / direction);
-        // Along an axis that the ray does not move on, 0/0 may come up: such a bound does not count.
-        let bound = |from: f64, to: f64| {
-            if from.is_nan() || to.is_nan() { [f64::NEG_INFINITY, f64::INFINITY] } else { [from.min(to), from.max(to)] }
-        };
-        let all = [bound(a.x, b.x), bound(a.y, b.y), bound(a.z, b.z)];
-        let enter = all.iter().map(|b| b[0]).fold(0.0, f64::max);
-        let leave = all.iter().map(|b| b[1]).fold(f64::INFINITY, f64::min);
-        enter <= leave
-    }
-}
-
-/// The largest angle between the normals of a panel and of its neighbours, degrees.
-fn fold(panels: &PanelSet, i: usize) -> f64 {
-    let normal = panels.normal[i];
-    let neighbours = panels.neighbour[panels.corners(i)].iter().filter_map(|n| n.get());
-    let angles = neighbours.filter_map(|n| Some(panels.normal.get(n.panel as usize)?.angle_between(normal)));
-    angles.fold(0.0, f64::max).to_degrees()
-}
-
-/// The largest distance of corners from the plane through their middle, square to their area, mm.
-fn off_plane(corners: &[DVec3]) -> f64 {
-    let centre = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
-    let next = corners.iter().cycle().skip(1);
-    let area: DVec3 = corners.iter().zip(next).map(|(a, b)| (*a - centre).cross(*b - centre)).sum();
-    let normal = area.normalize_or_zero();
-    corners.iter().map(|c| (*c - centre).dot(normal).abs()).fold(0.0, f64::max)
-}
-
-/// A vertex by its rounded place.
-type Place = [i64; 3];
-
-/// What a face is at one of its corners.
-#[derive(Clone, Copy)]
-struct Corner {
-    at: Place,
-    face: usize,
-    /// Its angle there, degrees.
-    angle: f64,
-    /// The vertices before and after.
-    beside: [Place; 2],
-}
-
-/// Of every face the largest difference of opposite angle sums around its corners, degrees (Liu et al. 2006: a vertex of four
-/// faces is conical where they are equal). Corners that lie within a thousandth of a millimetre are one. O(corners · log
-/// corners).
-fn conicity(faces: &[&[DVec3]]) -> Vec<f64> {
-    let key = |p: DVec3| (p * 1e3).round().to_array().map(|c| c as i64);
-    let corners = faces.par_iter().enumerate().flat_map_iter(|(f, face)| {
-        let n = face.len();
-        (0..n).map(move |i| {
-            let (before, here, after) = (face[(i + n - 1) % n], face[i], face[(i + 1) % n]);
-            let angle = (before - here).angle_between(after - here).to_degrees();
-            Corner { at: key(here), face: f, angle, beside: [key(before), key(after)] }
-        })
-    });
-    let mut corners: Vec<Corner> = corners.collect();
-    corners.par_sort_by_key(|c| c.at);
-    let mut worst = vec![0.0; faces.len()];
-    for corners in corners.chunk_by(|a, b| a.at == b.at) {
-        let [first, others @ ..] = corners else { continue };
-        if others.len() != 3 {
-            continue;
-        }
-        let touches = |o: &&Corner| o.beside.iter().any(|k| first.beside.contains(k));
-        let Some(opposite) = others.iter().find(|o| !touches(o)) else { continue };
-        let sides: f64 = others.iter().filter(touches).map(|o| o.angle).sum();
-        let off = (first.angle + opposite.angle - sides).abs();
-        if others.iter().filter(touches).count() == 2 {
-            corners.iter().for_each(|c| worst[c.face] = f64::max(worst[c.face], off));
-        }
-    }
-    worst
-}
-
-/// Where a ray meets a triangle from either side (Möller, Trumbore 1997).
-fn meet(origin: DVec3, direction: DVec3, a: DVec3, b: DVec3, c: DVec3) -> Option<f64> {
-    let (u, v) = (b - a, c - a);
-    let p = direction.cross(v);
-    let determinant = u.dot(p);
-    if determinant == 0.0 {
-        return None;
-    }
-    let s = (origin - a) / determinant;
-    let x = s.dot(p);
-    let q = s.cross(u);
-    let y = direction.dot(q);
-    let at = v.dot(q);
-    (x >= 0.0 && y >= 0.0 && x + y <= 1.0 && at > 0.0).then_some(at)
 }
 
 #[cfg(test)]
@@ -639,44 +497,6 @@ mod tests {
         let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
         assert_eq!(beside(rayon::current_num_threads), (cores - 1).max(1));
         assert_eq!(beside(|| std::thread::current().name().map(|n| n.starts_with("draw "))), Some(true));
-    }
-
-    #[test]
-    fn figures_of_faces_are_those_of_their_corners() {
-        let flat = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
-        assert_eq!(off_plane(&flat), 0.0);
-        let mut bent = flat;
-        bent[2].z = 0.4;
-        assert!((off_plane(&bent) - 0.1).abs() < 0.02);
-        // Four squares around a vertex are conical; moved within their plane the vertex is not.
-        let grid = |x: f64, y: f64| DVec3::new(x, y, 0.0);
-        let four = |c: DVec3| {
-            let [a, b, d, e] = [grid(0.0, -1.0), grid(1.0, 0.0), grid(0.0, 1.0), grid(-1.0, 0.0)];
-            let quad = |p, q, r| vec![c, p, q, r];
-            [
-                quad(a, grid(1.0, -1.0), b),
-                quad(b, grid(1.0, 1.0), d),
-                quad(d, grid(-1.0, 1.0), e),
-                quad(e, grid(-1.0, -1.0), a),
-            ]
-        };
-        let of = |faces: &[Vec<DVec3>]| conicity(&faces.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        assert!(of(&four(DVec3::ZERO)).iter().all(|c| *c < 1e-9));
-        assert!(of(&four(grid(0.3, 0.3))).iter().all(|c| *c > 10.0));
-    }
-
-    #[test]
-    fn curves_and_points_are_picked_where_they_are_seen() {
-        let points = vec![Point(DVec3::new(1.0, 2.0, 9.0)), Point(DVec3::new(4.0, 2.0, 0.0))];
-        let d = draw(&Tree::list(points)).unwrap();
-        let from_above = |p: DVec3| Some(p.truncate());
-        assert_eq!(d.pick_thin(DVec2::new(3.5, 2.0), 1.0, from_above), Some((1, DVec3::new(4.0, 2.0, 0.0), 0.5)));
-        assert_eq!(d.pick_thin(DVec2::new(2.5, 2.0), 1.0, from_above), None);
-        let line = [[0.0, 0.0, 0.0], [10.0, 0.0, 5.0]].map(|[x, y, z]| DVec3::new(x, y, z));
-        let mut d = Drawing::empty(Kind::Curve);
-        d.line(line[0], line[1], 3);
-        let (part, place, away) = d.pick_thin(DVec2::new(5.0, 0.5), 1.0, from_above).unwrap();
-        assert_eq!((part, place, away), (3, DVec3::new(5.0, 0.0, 2.5), 0.5));
     }
 
     #[test]
