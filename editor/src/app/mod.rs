@@ -133,6 +133,12 @@ impl App {
         self.remember_in(ctx, state);
     }
 
+    /// The graphics card's name, or why there is none.
+    #[must_use]
+    pub fn card(&self) -> &str {
+        &self.card
+    }
+
     fn side(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
             ui.selectable_value(&mut self.side, Side::Space, "Space");

@@ -51,6 +51,9 @@ fn read(ctx: &egui::Context) -> Vec<(String, PathBuf, Option<TextureHandle>)> {
     all.into_iter().filter_map(named).collect()
 }
 
+/// Said where there is nothing to choose from, and where the tour has nothing to go through.
+const NO_EXAMPLES: &str = "The folder graphs with the examples is not beside the program.";
+
 impl App {
     /// Shows the examples, if they are open.
     pub(super) fn gallery(&mut self, ui: &Ui) {
@@ -65,7 +68,7 @@ impl App {
         window.default_height((room.height() - 100.0).max(80.0)).show(ui.ctx(), |ui| {
             take = ui.button("Take the tour").on_hover_text("three steps on the shell of 256 panels").clicked();
             if found.is_empty() {
-                ui.label("The folder graphs with the examples is not beside the program.");
+                ui.label(NO_EXAMPLES);
             }
             let columns = if room.width() < 720.0 { 1 } else { 2 };
             egui::ScrollArea::vertical().max_height((room.height() - 140.0).max(80.0)).show(ui, |ui| {
@@ -114,8 +117,10 @@ impl App {
     pub(super) fn begin_tour(&mut self, ui: &Ui) {
         let shell = examples().map(|f| f.join("shell-256"));
         let there = self.model.document().nodes().contains_key("thicken");
-        if let (Some(shell), false) = (shell, there) {
-            self.leave(ui, Leave::Open(shell));
+        match shell {
+            _ if there => {}
+            Some(shell) => self.leave(ui, Leave::Open(shell)),
+            None => self.said = Some(NO_EXAMPLES.into()),
         }
         self.gallery.open = false;
         self.tour_waits = true;

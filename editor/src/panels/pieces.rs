@@ -122,7 +122,8 @@ impl Pieces {
             if ui.button("Copy as CSV").clicked() {
                 ui.ctx().copy_text(self.csv());
             }
-            if ui.button("Export the files …").on_hover_text(super::EXPORT).clicked() {
+            if !model.results.files.is_empty() && ui.button("Export the files …").on_hover_text(super::EXPORT).clicked()
+            {
                 went = Some(Went::Export);
             }
         });

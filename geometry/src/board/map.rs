@@ -9,6 +9,9 @@ use crate::shared::Shared;
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;
 
+/// So many features are moved before it is asked whether to go on: some milliseconds of work.
+const OFTEN: usize = 1 << 14;
+
 /// What of a panel is laid along the board's grain axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Align {
@@ -112,15 +115,15 @@ pub fn map_parts(
     }
     frame.resize(panels.len(), DAffine3::IDENTITY);
     let moved = |list: &[Feature]| -> Vec<Feature> {
-        if !go() {
-            return Vec::new();
+        let one = |f: &Feature| {
+            let m = frame.get(f.panel as usize).copied().unwrap_or(DAffine3::IDENTITY);
+            Feature { machining: machining(&m, &f.machining), ..f.clone() }
+        };
+        let mut all = Vec::with_capacity(list.len());
+        for some in list.chunks(OFTEN).take_while(|_| go()) {
+            all.par_extend(some.par_iter().map(one));
         }
-        list.par_iter()
-            .map(|f| {
-                let m = frame.get(f.panel as usize).copied().unwrap_or(DAffine3::IDENTITY);
-                Feature { machining: machining(&m, &f.machining), ..f.clone() }
-            })
-            .collect()
+        all
     };
     let mut parts = PartSet {
         features: FeatureSet {

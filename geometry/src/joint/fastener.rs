@@ -173,11 +173,9 @@ impl<'a> Lay<'a> {
 
     /// The features by panel, and the hardware.
     fn done(self) -> (FeatureSet, Vec<JointIssue>) {
-        let mut order: Vec<(u32, u32)> = self.features.iter().zip(0..).map(|(f, i)| (f.panel, i)).collect();
-        order.sort_unstable();
-        // Features are large: each is moved once.
-        let mut from: Vec<Option<Feature>> = self.features.into_iter().map(Some).collect();
-        let features = order.into_iter().filter_map(|(_, i)| from.get_mut(i as usize)?.take()).collect();
+        let mut features = self.features;
+        // Features are large: their numbers are sorted first, then each is moved once.
+        features.sort_by_cached_key(|f| f.panel);
         let name = |name: &str, [d, l]: [u64; 2]| format!("{name} {} x {}", f64::from_bits(d), f64::from_bits(l));
         let hardware = self.hardware.into_iter();
         let hardware = hardware.map(|((kind, size), count)| Hardware { name: name(kind, size), count }).collect();

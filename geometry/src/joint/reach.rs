@@ -123,8 +123,8 @@ pub struct ReachIssue {
     pub cause: ReachError,
 }
 
-/// So many features are checked before it is asked whether to go on.
-const OFTEN: usize = 64;
+/// So many features are checked before it is asked whether to go on: some milliseconds of work.
+const OFTEN: usize = 1 << 11;
 
 /// Checks every drilled feature and sorts out those that `machine` cannot make; other features pass. Of several fitting
 /// drills the first that reaches is good enough. Holder and spindle must stay above a board without end, so clamps,
@@ -142,25 +142,24 @@ pub fn check_reach(
     let mut out = FeatureSet { by_hand: features.by_hand, hardware: features.hardware, ..FeatureSet::default() };
     let mut issues = Vec::new();
     let all = features.features;
-    let fault = |(i, feature): (usize, &Feature)| {
-        let checked = i.is_multiple_of(OFTEN).then(go).unwrap_or(true).then(|| reach(set, feature, machine, rule));
-        match checked {
-            Some(Ok(())) => None,
-            Some(Err(cause)) => Some((i, Some(cause))),
-            None => Some((i, None)),
+    let mut faults = Vec::new();
+    for (k, some) in all.chunks(OFTEN).enumerate() {
+        if !go() {
+            return (out, issues);
         }
-    };
-    let mut faults = all.par_iter().enumerate().filter_map(fault).collect::<Vec<_>>().into_iter().peekable();
-    if faults.peek().is_none() {
+        let fault = |(i, f)| reach(set, f, machine, rule).err().map(|cause| (k * OFTEN + i, cause));
+        faults.par_extend(some.par_iter().enumerate().filter_map(fault));
+    }
+    if faults.is_empty() {
         out.features = all;
         return (out, issues);
     }
+    let mut faults = faults.into_iter().peekable();
     for (i, feature) in all.into_iter().enumerate() {
         let Some((_, cause)) = faults.next_if(|(at, _)| *at == i) else {
             out.features.push(feature);
             continue;
         };
-        let Some(cause) = cause else { break };
         let by_hand = rule.out_of_reach == OutOfReach::ByHand;
         let Feature { panel, edge, joint, ref purpose, .. } = feature;
         let purpose = purpose.clone();
@@ -263,6 +262,7 @@ mod tests {
     use crate::joint::{Direction, FastenerRule, lay_fasteners};
     use crate::machine::test_machine;
     use crate::panel::{ThickenParams, shells, thicken};
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     fn shell(d: f64) -> PanelSet {
         let mesh = shells::vector_sum(&shells::arc(16, 4500.0, 1400.0), &shells::folded(16, 280.0, 25.0));
@@ -291,6 +291,19 @@ mod tests {
             assert!(none.features.is_empty() && issues.len() == laid.features.len());
             assert!(issues.iter().all(|i| matches!(i.cause, ReachError::FromBelow { .. })));
         }
+    }
+
+    #[test]
+    fn checking_stops_soon_after_it_is_told_to() {
+        let set = shell(10.0);
+        let (mut laid, _) = lay_fasteners(&set, &FastenerRule::toe_screws(Up::Back)).unwrap();
+        while laid.features.len() < 4 * OFTEN {
+            laid.features.extend_from_within(..);
+        }
+        let asked = AtomicUsize::new(0);
+        let go = || asked.fetch_add(1, Ordering::Relaxed) < 2;
+        let (checked, issues) = check_reach(&set, laid, &machine(), &ReachRule::new(Up::Front), &go);
+        assert_eq!((asked.into_inner(), checked.features.len(), issues.len()), (3, 0, 0));
     }
 
     #[test]
