@@ -239,16 +239,24 @@ impl Window {
         self.steps(2);
     }
 
-    /// What Ctrl+C, or Ctrl+X, brings into the clipboard; the desktop makes these events of the keys.
+    /// What an event, such as Ctrl+C or letting a button go, brings into the clipboard; the desktop makes these events of the keys.
     pub fn clipboard(&mut self, event: Event) -> String {
         self.harness.event(event);
-        self.steps(1);
-        let commands = &self.harness.output().platform_output.commands;
-        let text = commands.iter().find_map(|c| match c {
-            eframe::egui::OutputCommand::CopyText(text) => Some(text.clone()),
-            _ => None,
-        });
-        text.unwrap_or_default()
+        let start = Instant::now();
+        loop {
+            self.steps(1);
+            let commands = &self.harness.output().platform_output.commands;
+            let text = commands.iter().find_map(|c| match c {
+                eframe::egui::OutputCommand::CopyText(text) => Some(text.clone()),
+                _ => None,
+            });
+            // What is long is made beside the window.
+            match text {
+                Some(text) => return text,
+                None if self.harness.state().settled() => return String::new(),
+                None => assert!(start.elapsed() < Duration::from_secs(60), "nothing is copied"),
+            }
+        }
     }
 
     /// Rests with the pointer at a place until tooltips show.

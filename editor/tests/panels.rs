@@ -41,15 +41,15 @@ fn values_at_outputs_and_inputs_are_tables_and_trees() {
     let mut w = Window::open(Some(&graph("data", WRONG)));
     w.app().model.selection = ["a".to_owned()].into();
     w.click(w.first("Data").center());
-    w.steps(3);
+    w.settle();
     assert!(w.has("3 numbers from 0 to 2, mean 1.0000"));
     // What arrives at an input, as its wires bring it.
     w.app().model.selection = ["p".to_owned()].into();
-    w.steps(3);
+    w.settle();
     w.click(w.rect("port that is shown").center());
-    w.steps(3);
+    w.settle();
     w.click(w.rect("into p.x").center());
-    w.steps(3);
+    w.settle();
     assert!(w.has_containing("3 branches, 3 items of number"));
     w.click(w.rect("Tree").center());
     w.steps(2);
@@ -64,16 +64,19 @@ fn values_at_outputs_and_inputs_are_tables_and_trees() {
 }
 
 #[test]
-fn a_million_rows_are_scrolled_through() {
+fn a_million_rows_and_branches_are_scrolled_through() {
     let text = r#"{
   "format": "tenon",
   "version": 1,
-  "nodes": { "s": { "type": "series", "v": 1, "params": { "count": 1000000 } } }
+  "nodes": {
+    "s": { "type": "series", "v": 1, "params": { "count": 1000000 } },
+    "t": { "type": "text_panel", "v": 1, "inputs": { "data": { "from": ["s.numbers"], "tree": ["graft"] } } }
+  }
 }"#;
     let mut w = Window::open(Some(&graph("million", text)));
     w.app().model.selection = ["s".to_owned()].into();
     w.click(w.first("Data").center());
-    w.steps(3);
+    w.settle();
     assert!(w.has_containing("1000000 items of number"));
     let row = w.first_containing(&format!("{:<10} {:>8}", "{0}", 0)).center();
     let start = Instant::now();
@@ -84,6 +87,19 @@ fn a_million_rows_are_scrolled_through() {
     assert!(start.elapsed() < Duration::from_secs(60), "{:?}", start.elapsed());
     assert!(w.has_containing("  999999  "), "the last row is there");
     w.picture("million");
+    // As many branches, all open: two million rows.
+    w.app().model.selection = ["t".to_owned()].into();
+    w.settle();
+    w.click(w.rect("Tree").center());
+    w.click(w.rect("open all").center());
+    assert!(w.has_containing("1000000 branches, 1000000 items of number"));
+    let (row, start) = (w.first_containing("− {0;0}").center(), Instant::now());
+    for _ in 0..5 {
+        w.wheel(row, -40_000_000.0);
+    }
+    assert!(start.elapsed() < Duration::from_secs(60), "{:?}", start.elapsed());
+    w.picture("million-branches");
+    assert!(w.has_containing("− {0;999999}"), "the last branch is there");
 }
 
 #[test]
@@ -112,7 +128,7 @@ fn what_is_copied_as_csv_comes_into_the_clipboard() {
     let mut w = Window::open(Some(&graph("csv", WRONG)));
     w.app().model.selection = ["a".to_owned()].into();
     w.click(w.first("Data").center());
-    w.steps(3);
+    w.settle();
     let button = w.rect("Copy as CSV").center();
     w.hover(button);
     let press = |pressed| Event::PointerButton {

@@ -186,7 +186,7 @@ impl App {
     /// Whether nothing is on its way from other threads: the evaluation, and what is made of its results to be looked at.
     #[must_use]
     pub fn settled(&self) -> bool {
-        self.model.settled() && self.viewport.settled() && self.boards.settled()
+        self.model.settled() && self.viewport.settled() && self.boards.settled() && self.lower.settled()
     }
 
     /// Goes where a click in the lower panel leads.

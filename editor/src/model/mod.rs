@@ -2,7 +2,7 @@
 //! found. Every change of the document is an operation of the engine's and goes through [`Model::apply`].
 
 pub mod arrange;
-mod arrives;
+pub mod arrives;
 pub mod beside;
 pub mod catalog;
 pub mod critical;

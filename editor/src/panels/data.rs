@@ -1,12 +1,14 @@
 //! The value at any port as a table, one row per item, or as a tree whose branches open and close; only rows that are seen
-//! are made. Statistics of numbers; copy as CSV.
+//! are made. Statistics of numbers; copy as CSV. What takes as long as there are items is done beside the window.
 
 use crate::model::Model;
+use crate::model::arrives::Arriving;
+use crate::model::beside::Beside;
 use crate::model::catalog::PortInfo;
-use eframe::egui::{ComboBox, RichText, ScrollArea, TextStyle, Ui, WidgetInfo, WidgetType};
-use std::collections::BTreeSet;
+use eframe::egui::{Button, ComboBox, RichText, ScrollArea, TextStyle, Ui, WidgetInfo, WidgetType};
 use std::fmt::Write as _;
-use tenon_engine::Tree;
+use std::sync::Arc;
+use tenon_engine::{Column, Tree};
 
 /// What is shown.
 #[derive(Default)]
@@ -15,10 +17,61 @@ pub struct DataView {
     port: Option<(String, bool)>,
     /// Branches stand under their paths.
     as_tree: bool,
-    /// Branches that are open, by number, of the port that is shown.
-    open: BTreeSet<usize>,
-    /// Digest of the value that the statistics are of, and they.
-    statistics: Option<(u128, Option<Statistics>)>,
+    seen: Beside<Option<Seen>>,
+    /// The port that it is of: while a value changes, the one before is shown.
+    seen_at: Option<(String, bool)>,
+    /// The rows of the tree, by the digest of the value that they are of.
+    folds: Option<(u128, Folds)>,
+    /// What is being made into a table for the clipboard.
+    copying: Option<Tree>,
+    csv: Beside<String>,
+}
+
+/// A value with what is told of it.
+struct Seen {
+    tree: Tree,
+    /// In which row of the table each branch begins, and how many rows there are.
+    rows: Rows,
+    statistics: Option<Statistics>,
+}
+
+/// Blocks of rows, one per branch.
+#[derive(Default)]
+struct Rows {
+    starts: Vec<usize>,
+    count: usize,
+}
+
+impl Rows {
+    /// O(branches).
+    fn new(heights: impl Iterator<Item = usize>) -> Self {
+        let mut rows = Self::default();
+        for height in heights {
+            rows.starts.push(rows.count);
+            rows.count += height;
+        }
+        rows
+    }
+
+    /// The branch of a row, and the how many-th of its rows that is. O(log branches).
+    fn find(&self, row: usize) -> Option<(usize, usize)> {
+        let b = self.starts.partition_point(|s| *s <= row).checked_sub(1)?;
+        Some((b, row - self.starts[b]))
+    }
+}
+
+/// Which branches are open, and the rows that this makes: one for each branch, below it those of its items.
+#[derive(Default)]
+struct Folds {
+    open: Vec<bool>,
+    rows: Rows,
+}
+
+impl Folds {
+    fn new(tree: &Tree, open: Vec<bool>) -> Self {
+        let items = tree.branches().iter().map(|(_, column)| column.len());
+        Self { rows: Rows::new(open.iter().zip(items).map(|(open, items)| 1 + if *open { items } else { 0 })), open }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,9 +120,24 @@ pub fn csv(tree: &Tree) -> String {
     text
 }
 
+impl Seen {
+    /// O(items).
+    fn new(tree: Tree) -> Self {
+        let rows = Rows::new(tree.branches().iter().map(|(_, column)| column.len()));
+        Self { rows, statistics: statistics(&tree), tree }
+    }
+}
+
 impl DataView {
+    /// Whether nothing is being made.
+    #[must_use]
+    pub fn settled(&self) -> bool {
+        self.seen.settled() && self.copying.is_none()
+    }
+
     /// Shows the values at the selected node's ports.
     pub fn show(&mut self, ui: &mut Ui, model: &Model) {
+        self.copy(ui);
         let chosen = model.selection.iter().next().filter(|_| model.selection.len() == 1);
         let node = chosen.and_then(|id| Some((id, model.document().nodes().get(id)?)));
         let Some((id, node)) = node else {
@@ -83,120 +151,142 @@ impl DataView {
         let ports = [of(&info.outputs, false), of(&info.inputs, true)].concat();
         if !self.port.as_ref().is_some_and(|p| ports.contains(p)) {
             self.port = ports.first().cloned();
-            self.open.clear();
         }
         let Some(port) = self.port.clone() else { return };
-        let arrives = port.1.then(|| model.arrives(id, port.0.split_once('.').map_or("", |(_, p)| p))).flatten();
-        let tree = if port.1 { arrives.as_deref() } else { model.value(&port.0) };
+        if self.seen_at.as_ref() != Some(&port) {
+            self.seen.forget();
+            self.seen_at = Some(port.clone());
+        }
+        let there = match port.1 {
+            true => port.0.split_once('.').and_then(|(_, name)| model.arriving(id, name)),
+            false => model.value(&port.0).map(Arriving::from),
+        };
+        let seen = there.as_ref().and_then(|there| self.seen_of(ui, there));
         let words =
             |(address, input): &(String, bool)| if *input { format!("into {address}") } else { address.clone() };
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let shown = ComboBox::from_id_salt("data-port").selected_text(words(&port)).show_ui(ui, |ui| {
                 for p in &ports {
                     if ui.selectable_label(*p == port, words(p)).clicked() {
                         self.port = Some(p.clone());
-                        self.open.clear();
                     }
                 }
             });
             let label = || WidgetInfo::labeled(WidgetType::ComboBox, true, "port that is shown");
             shown.response.widget_info(label);
-            let Some(tree) = tree else { return };
-            ui.selectable_value(&mut self.as_tree, false, "Table");
-            ui.selectable_value(&mut self.as_tree, true, "Tree");
-            if ui.button("Copy as CSV").clicked() {
-                ui.ctx().copy_text(csv(tree));
-            }
-            let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
-            let branches = count(tree.branches().len(), "branch", "branches");
-            let items = count(tree.len(), "item", "items");
-            ui.label(format!("{branches}, {items} of {}", tree.type_name()));
-            if self.statistics.as_ref().is_none_or(|s| s.0 != tree.digest()) {
-                self.statistics = Some((tree.digest(), statistics(tree)));
-            }
-            if let Some((_, Some(s))) = self.statistics {
-                ui.label(format!("{} numbers from {} to {}, mean {:.4}", s.count, s.min, s.max, s.mean));
+            if let Some(seen) = seen.as_deref().and_then(Option::as_ref) {
+                self.head(ui, seen);
             }
         });
-        match tree {
-            None => {
-                ui.weak("There is no value yet.");
+        // Each view of each port has a scroll bar of its own.
+        ui.push_id((&port, self.as_tree), |ui| match (there, seen.as_deref()) {
+            (None, _) => drop(ui.weak("There is no value yet.")),
+            (_, None) => drop(ui.weak("The value is being read …")),
+            (_, Some(None)) => drop(ui.weak("What the wires bring is of several types.")),
+            (_, Some(Some(seen))) if self.as_tree => self.branches(ui, &seen.tree),
+            (_, Some(Some(seen))) => table(ui, seen),
+        });
+    }
+
+    /// What is shown of a value; none while the first is being made.
+    fn seen_of(&mut self, ui: &Ui, there: &Arriving) -> Option<Arc<Option<Seen>>> {
+        let (ctx, made_of) = (ui.ctx().clone(), there.clone());
+        self.seen.want(there.key(), move || ctx.request_repaint(), move || made_of.value().map(Seen::new));
+        self.seen.last().cloned()
+    }
+
+    /// Gives the clipboard the table that was asked for, once it is made.
+    fn copy(&mut self, ui: &Ui) {
+        let Some(tree) = self.copying.clone() else { return };
+        let ctx = ui.ctx().clone();
+        self.csv.want(tree.digest(), move || ctx.request_repaint(), move || csv(&tree));
+        if let Some(text) = self.csv.now() {
+            ui.ctx().copy_text(text.to_string());
+            self.csv.forget();
+            self.copying = None;
+        }
+    }
+
+    /// How the value is shown, and what is told of all of it.
+    fn head(&mut self, ui: &mut Ui, seen: &Seen) {
+        let tree = &seen.tree;
+        ui.selectable_value(&mut self.as_tree, false, "Table");
+        ui.selectable_value(&mut self.as_tree, true, "Tree");
+        if ui.add_enabled(self.copying.is_none(), Button::new("Copy as CSV")).clicked() {
+            self.copying = Some(tree.clone());
+            ui.ctx().request_repaint();
+        }
+        let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
+        let branches = count(tree.branches().len(), "branch", "branches");
+        let items = count(seen.rows.count, "item", "items");
+        ui.label(format!("{branches}, {items} of {}", tree.type_name()));
+        if let Some(s) = seen.statistics {
+            ui.label(format!("{} numbers from {} to {}, mean {:.4}", s.count, s.min, s.max, s.mean));
+        }
+    }
+
+    /// Branches by their paths, each with its items below it if it is open. O(rows seen), and O(branches) where one opens.
+    fn branches(&mut self, ui: &mut Ui, tree: &Tree) {
+        let all = |open| Folds::new(tree, vec![open; tree.branches().len()]);
+        if self.folds.as_ref().is_none_or(|(of, _)| *of != tree.digest()) {
+            self.folds = Some((tree.digest(), all(false)));
+        }
+        let Some((_, folds)) = &mut self.folds else { return };
+        ui.horizontal(|ui| {
+            if ui.small_button("open all").clicked() {
+                *folds = all(true);
             }
-            Some(tree) if self.as_tree => branches(ui, tree, &mut self.open),
-            Some(tree) => table(ui, tree),
+            if ui.small_button("close all").clicked() {
+                *folds = all(false);
+            }
+        });
+        let height = ui.spacing().interact_size.y;
+        let mut toggled = None;
+        ScrollArea::both().auto_shrink(false).show_rows(ui, height, folds.rows.count, |ui, rows| {
+            ui.style_mut().wrap_mode = Some(eframe::egui::TextWrapMode::Extend);
+            for (b, row) in rows.filter_map(|row| folds.rows.find(row)) {
+                let Some((path, column)) = tree.branches().get(b) else { continue };
+                let Some(i) = row.checked_sub(1) else {
+                    let mark = if folds.open[b] { "−" } else { "+" };
+                    let words = format!("{mark} {path}  {} {}", column.len(), column.type_name());
+                    if ui.selectable_label(false, RichText::new(words).monospace()).clicked() {
+                        toggled = Some(b);
+                    }
+                    continue;
+                };
+                ui.label(RichText::new(line(&format!("    {i:>8}"), column, i)).monospace());
+            }
+        });
+        if let Some(b) = toggled {
+            let mut open = std::mem::take(&mut folds.open);
+            open[b] = !open[b];
+            *folds = Folds::new(tree, open);
         }
     }
 }
 
-fn table(ui: &mut Ui, tree: &Tree) {
-    let mut starts = Vec::with_capacity(tree.branches().len());
-    let mut count = 0;
-    for (_, column) in tree.branches() {
-        starts.push(count);
-        count += column.len();
-    }
+fn table(ui: &mut Ui, seen: &Seen) {
     let height = ui.text_style_height(&TextStyle::Monospace);
-    ScrollArea::both().auto_shrink(false).show_rows(ui, height, count, |ui, rows| {
+    ScrollArea::both().auto_shrink(false).show_rows(ui, height, seen.rows.count, |ui, rows| {
         ui.style_mut().wrap_mode = Some(eframe::egui::TextWrapMode::Extend);
-        for row in rows {
-            let b = starts.partition_point(|s| *s <= row).saturating_sub(1);
-            let (Some((path, column)), Some(start)) = (tree.branches().get(b), starts.get(b)) else { continue };
-            let i = row - start;
-            let item = if column.is_valid(i) { column.summary(i) } else { "(nothing)".to_owned() };
+        for (b, i) in rows.filter_map(|row| seen.rows.find(row)) {
+            let Some((path, column)) = seen.tree.branches().get(b) else { continue };
             let path = path.to_string();
-            let line: String = format!("{path:<10} {i:>8}  {item}").chars().take(400).collect();
-            ui.label(RichText::new(line).monospace());
+            ui.label(RichText::new(line(&format!("{path:<10} {i:>8}"), column, i)).monospace());
         }
     });
 }
 
-/// Branches by their paths, each with its items below it if it is open. O(branches + rows seen).
-fn branches(ui: &mut Ui, tree: &Tree, open: &mut BTreeSet<usize>) {
-    let mut starts = Vec::with_capacity(tree.branches().len());
-    let mut count = 0;
-    for (b, (_, column)) in tree.branches().iter().enumerate() {
-        starts.push(count);
-        count += 1 + if open.contains(&b) { column.len() } else { 0 };
-    }
-    ui.horizontal(|ui| {
-        if ui.small_button("open all").clicked() {
-            *open = (0..tree.branches().len()).collect();
-        }
-        if ui.small_button("close all").clicked() {
-            open.clear();
-        }
-    });
-    let height = ui.spacing().interact_size.y;
-    let mut toggled = None;
-    ScrollArea::both().auto_shrink(false).show_rows(ui, height, count, |ui, rows| {
-        ui.style_mut().wrap_mode = Some(eframe::egui::TextWrapMode::Extend);
-        for row in rows {
-            let b = starts.partition_point(|s| *s <= row).saturating_sub(1);
-            let (Some((path, column)), Some(start)) = (tree.branches().get(b), starts.get(b)) else { continue };
-            let Some(i) = (row - start).checked_sub(1) else {
-                let mark = if open.contains(&b) { "−" } else { "+" };
-                let words = format!("{mark} {path}  {} {}", column.len(), column.type_name());
-                if ui.selectable_label(false, RichText::new(words).monospace()).clicked() {
-                    toggled = Some(b);
-                }
-                continue;
-            };
-            let item = if column.is_valid(i) { column.summary(i) } else { "(nothing)".to_owned() };
-            let line: String = format!("    {i:>8}  {item}").chars().take(400).collect();
-            ui.label(RichText::new(line).monospace());
-        }
-    });
-    if let Some(b) = toggled
-        && !open.remove(&b)
-    {
-        open.insert(b);
-    }
+/// An item behind what says which it is, as much of it as anybody reads.
+fn line(which: &str, column: &Column, i: usize) -> String {
+    let item = if column.is_valid(i) { column.summary(i) } else { "(nothing)".to_owned() };
+    format!("{which}  {item}").chars().take(400).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tenon_engine::{Column, Path};
+    use tenon_engine::Path;
 
     #[test]
     fn tables_have_a_row_per_item_and_gaps_stay() {
@@ -206,6 +296,21 @@ mod tests {
         assert_eq!(csv(&tree), "path,index,number\n{0},0,\n{0},1,-2.0\n{0;1},0,1.0\n{0;1},1,4.0\n");
         let s = statistics(&tree).unwrap();
         assert_eq!((s.count, s.min, s.max, s.mean), (3, -2.0, 4.0, 1.0));
+        let seen = Seen::new(tree);
+        assert_eq!((0..4).filter_map(|row| seen.rows.find(row)).collect::<Vec<_>>(), [(0, 0), (0, 1), (1, 0), (1, 1)]);
         assert_eq!(field("a \"b\", c"), "\"a \"\"b\"\", c\"");
+    }
+    #[test]
+    fn an_open_branch_has_its_items_below_it_and_an_empty_one_has_none() {
+        let branches = [2_usize, 0, 1].into_iter().enumerate();
+        let tree = Tree::from_branches(
+            branches.map(|(b, n)| (Path::root().child(b), Column::new(vec![0.5; n]))).collect(),
+        );
+        let rows = |open: [bool; 3]| {
+            let folds = Folds::new(&tree, open.to_vec());
+            (0..folds.rows.count).filter_map(|row| folds.rows.find(row)).collect::<Vec<_>>()
+        };
+        assert_eq!(rows([false; 3]), [(0, 0), (1, 0), (2, 0)]);
+        assert_eq!(rows([true, true, false]), [(0, 0), (0, 1), (0, 2), (1, 0), (2, 0)]);
     }
 }

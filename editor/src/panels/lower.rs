@@ -50,6 +50,12 @@ impl Lower {
         self.tab = if self.tab == Some(tab) { None } else { Some(tab) };
     }
 
+    /// Whether nothing is being made to be shown.
+    #[must_use]
+    pub fn settled(&self) -> bool {
+        self.data.settled()
+    }
+
     /// Shows it; gives what was clicked.
     pub fn show(&mut self, ui: &mut Ui, model: &Model, plays: &[Play]) -> Option<Went> {
         ui.horizontal(|ui| {
@@ -65,6 +71,8 @@ impl Lower {
             }
         });
         ui.separator();
+        // Its height is the person's, however little there is to show.
+        ui.set_min_height(ui.available_height());
         match self.tab? {
             Tab::Problems => problems(ui, model).map(Went::Node),
             Tab::Profile => profile(ui, model).map(Went::Node),
