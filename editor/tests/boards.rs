@@ -1,7 +1,7 @@
 //! Boards, player and tables of the shell.
 
 use crate::common::{Window, example, folder};
-use eframe::egui::{Modifiers, PointerButton, vec2};
+use eframe::egui::{Key, Modifiers, PointerButton, vec2};
 use tenon_editor::app::Side;
 
 #[test]
@@ -37,7 +37,25 @@ fn the_boards_are_seen_and_the_tool_moves_through_them() {
     w.picture("player");
     w.click(w.rect("Play").center());
     w.steps(5);
-    assert!(w.app().boards.player.time > length / 2.0);
+    let player = |w: &mut Window| (w.app().boards.player.playing, w.app().boards.player.time);
+    assert!(player(&mut w).1 > length / 2.0);
+    // By keys over the boards: pause, on to the end of the move, back to its start.
+    w.hover(w.rect("boards").center());
+    w.key(Modifiers::NONE, Key::Space);
+    let (playing, paused) = player(&mut w);
+    assert!(!playing);
+    let step = |w: &mut Window, at: f64| {
+        let play = &w.app().boards.plays()[0];
+        play.steps[play.at(at).unwrap().step].time
+    };
+    let moves = step(&mut w, paused);
+    w.key(Modifiers::NONE, Key::Period);
+    assert_eq!(player(&mut w).1, moves[1]);
+    w.key(Modifiers::NONE, Key::Comma);
+    assert_eq!(player(&mut w).1, moves[0]);
+    w.key(Modifiers::NONE, Key::Space);
+    w.steps(3);
+    assert!(player(&mut w).0 && player(&mut w).1 > moves[0]);
 }
 
 #[test]
@@ -120,9 +138,9 @@ fn files_are_written_from_the_boards_and_from_the_pieces() {
         w.click(w.rect("Export the files …").center());
         w.steps(2);
         assert!(w.has("Write the files of the graph into a folder"));
-        w.key(Modifiers::COMMAND, eframe::egui::Key::A);
+        w.key(Modifiers::COMMAND, Key::A);
         w.type_text(&out.to_string_lossy());
-        w.key(Modifiers::NONE, eframe::egui::Key::Enter);
+        w.key(Modifiers::NONE, Key::Enter);
         w.settle();
         let count = w.app().model.results.files.len();
         // The manifest stands beside them.

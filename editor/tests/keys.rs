@@ -68,6 +68,59 @@ fn keys_open_the_finder_rename_and_go_through_what_is_found() {
 }
 
 #[test]
+fn a_node_of_the_graph_is_found_by_name_type_text_and_remark() {
+    let text = CHAIN.replace(
+        r#""q": { "type": "point", "v": 1 }"#,
+        r#""q": { "type": "point", "v": 1, "note": "the apex" },
+    "words": { "type": "note", "v": 1, "params": { "text": "Begin here." } }"#,
+    );
+    let mut w = Window::open(Some(&graph("search", &text)));
+    let mut find = |typed: &str| {
+        choose(&mut w, &[]);
+        w.key(Modifiers::NONE, Key::F3);
+        w.type_text(typed);
+        w.picture("search");
+        w.key(Modifiers::NONE, Key::Enter);
+        w.steps(2);
+        let found = selected(&w);
+        let at = w.first_containing(&format!("node {}", found[0]));
+        assert!(w.rect("canvas").contains(at.center()), "{found:?} is in sight");
+        found
+    };
+    assert_eq!(find("b"), ["b"]);
+    assert_eq!(find("Point"), ["p"], "the first of a type");
+    assert_eq!(find("APEX"), ["q"]);
+    assert_eq!(find("begin"), ["words"]);
+    // The second of two by the arrow; and Escape leaves everything as it was.
+    w.key(Modifiers::NONE, Key::F3);
+    w.type_text("point");
+    w.key(Modifiers::NONE, Key::ArrowDown);
+    w.key(Modifiers::NONE, Key::Enter);
+    assert_eq!(selected(&w), ["q"]);
+    w.key(Modifiers::NONE, Key::F3);
+    w.type_text("a");
+    w.key(Modifiers::NONE, Key::Escape);
+    assert_eq!((selected(&w), w.app().model.steps()), (vec!["q".to_owned()], (0, 0)));
+}
+
+#[test]
+fn keys_open_what_stands_below_the_canvas_and_beside_it() {
+    let mut w = Window::open(Some(&graph("tabs", CHAIN)));
+    let words = [(Key::Num1, "Nothing is wrong."), (Key::Num2, "of work; the longest chain takes")];
+    let more = [(Key::Num3, "Select one node to see"), (Key::Num4, "The pieces appear once")];
+    for (key, words) in words.into_iter().chain(more) {
+        w.key(ALT, key);
+        assert!(w.has_containing(words), "{words}");
+        w.key(ALT, key);
+        assert!(!w.has_containing(words), "{words}, after it was closed");
+    }
+    w.key(ALT, Key::Num6);
+    assert!(w.has_containing("The boards appear once"));
+    w.key(ALT, Key::Num5);
+    assert!(!w.has_containing("The boards appear once"));
+}
+
+#[test]
 fn groups_are_made_and_dissolved_by_keys() {
     let mut w = Window::open(Some(&graph("ungroup", CHAIN)));
     let before = w.text();

@@ -1,7 +1,7 @@
 //! What stands in menus and lists and is chosen there by hand: tool paths, pictures, files, colours, examples.
 
 use crate::common::{Window, example, folder, graph};
-use eframe::egui::{Key, Modifiers};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, ViewportCommand};
 use egui_kittest::kittest::Queryable as _;
 use std::path::Path;
 use tenon_editor::viewport::{Measure, references};
@@ -161,4 +161,17 @@ fn an_example_is_opened_by_its_picture_and_by_a_node_that_it_uses() {
     w.settle();
     assert!(path(&w).ends_with("quad-mesh/quad-mesh.tenon.json"), "{:?}", path(&w));
     assert!(w.app().model.document().nodes().values().any(|n| n.type_name.as_str() == "read_mesh"));
+}
+
+#[test]
+fn paste_in_the_menu_asks_the_desktop_for_the_clipboard() {
+    let mut w = Window::open(None);
+    w.click(w.rect("Edit").center());
+    let at = w.rect_containing("Paste").center();
+    w.press(at, at, Modifiers::NONE);
+    let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+    w.harness.event(Event::PointerButton { pos: at, button, pressed: false, modifiers });
+    w.steps(1);
+    let asked = w.harness.output().viewport_output.values().flat_map(|v| &v.commands);
+    assert!(asked.into_iter().any(|c| matches!(c, ViewportCommand::RequestPaste)));
 }

@@ -1,8 +1,8 @@
 //! Keys that mean the same everywhere in the window.
 
-use super::App;
 use super::files::Leave;
-use crate::panels::Browse;
+use super::{App, Side};
+use crate::panels::{Browse, Tab};
 use eframe::egui::{self, Key, KeyboardShortcut, Modifiers, Ui};
 use tenon_engine::NodeState;
 
@@ -30,6 +30,13 @@ pub(super) const EXPLODE: KeyboardShortcut = with_shift(Key::K);
 pub(super) const PREVIEW: KeyboardShortcut = command(Key::Q);
 pub(super) const ENABLE: KeyboardShortcut = command(Key::E);
 pub(super) const FREEZE: KeyboardShortcut = with_shift(Key::E);
+
+/// What Alt and a number opens below the canvas.
+pub(super) const BELOW: [(Key, Tab); 4] =
+    [(Key::Num1, Tab::Problems), (Key::Num2, Tab::Profile), (Key::Num3, Tab::Data), (Key::Num4, Tab::Pieces)];
+
+/// What Alt and a number shows beside it.
+pub(super) const BESIDE: [(Key, Side); 2] = [(Key::Num5, Side::Space), (Key::Num6, Side::Boards)];
 
 impl App {
     /// Keys that mean the same everywhere in the window, unless somebody types.
@@ -74,6 +81,7 @@ impl App {
             self.model.message = self.model.gather().err();
         }
         self.canvas_keys(ui);
+        self.view_keys(ui);
         if pressed(PREVIEW) {
             self.model.toggle_preview();
         }
@@ -111,20 +119,20 @@ impl App {
                     self.copy(ui);
                     self.model.delete_selection();
                 }
-                egui::Event::Paste(text) => {
-                    let at = self.canvas.pointer(ui);
-                    self.model.message = self.model.paste(&text, at).err();
-                }
+                egui::Event::Paste(text) => self.paste(ui, &text),
                 _ => {}
             }
         }
     }
 
-    /// Keys of the canvas: finding, naming, moving, selecting along wires, showing all.
+    /// Keys of the canvas: finding nodes, those there may be and those there are, naming, moving, selecting along wires, showing all.
     fn canvas_keys(&mut self, ui: &Ui) {
         let plain = |key| ui.input(|i| i.modifiers.is_none() && i.key_pressed(key));
         if plain(Key::F4) || ui.input(|i| i.modifiers.command_only() && i.key_pressed(Key::Space)) {
             self.canvas.open_finder(ui);
+        }
+        if plain(Key::F3) {
+            self.canvas.open_search();
         }
         if plain(Key::F2) {
             self.canvas.rename(&self.model);
@@ -155,6 +163,27 @@ impl App {
             };
             self.model.nudge(way.map(|w| w * step));
         }
+    }
+
+    /// Keys that open what stands below the canvas and beside it.
+    fn view_keys(&mut self, ui: &Ui) {
+        let with_alt = |key| ui.input_mut(|i| i.consume_key(Modifiers::ALT, key));
+        for (key, tab) in BELOW {
+            if with_alt(key) {
+                self.lower.toggle(tab);
+            }
+        }
+        for (key, side) in BESIDE {
+            if with_alt(key) {
+                self.side = side;
+            }
+        }
+    }
+
+    /// Puts what is in the clipboard where the pointer is.
+    fn paste(&mut self, ui: &Ui, text: &str) {
+        let at = self.canvas.pointer(ui);
+        self.model.message = self.model.paste(text, at).err();
     }
 
     pub(super) fn ungroup(&mut self) {

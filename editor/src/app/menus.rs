@@ -4,8 +4,13 @@ use super::App;
 use super::files::Leave;
 use super::keys::{self, command};
 use crate::panels::{self, Browse};
-use eframe::egui::{self, Button, Key, KeyboardShortcut, Ui};
+use eframe::egui::{self, Button, Key, KeyboardShortcut, Modifiers, Ui, ViewportCommand};
 use tenon_engine::NodeState;
+
+/// An entry of a menu with the keys that do the same; whether it was clicked.
+fn item(ui: &mut Ui, on: bool, words: &str, keys: KeyboardShortcut) -> bool {
+    ui.add_enabled(on, Button::new(words).shortcut_text(ui.ctx().format_shortcut(&keys))).clicked()
+}
 
 impl App {
     pub(super) fn menus(&mut self, ui: &mut Ui) {
@@ -19,6 +24,18 @@ impl App {
                 }
                 if ui.button("Show all in the viewport").clicked() {
                     self.viewport.show_all();
+                }
+                ui.separator();
+                let with_alt = |key| KeyboardShortcut::new(Modifiers::ALT, key);
+                for (key, tab) in keys::BELOW {
+                    if item(ui, true, tab.name(), with_alt(key)) {
+                        self.lower.toggle(tab);
+                    }
+                }
+                for (key, side) in keys::BESIDE {
+                    if item(ui, true, side.name(), with_alt(key)) {
+                        self.side = side;
+                    }
                 }
                 ui.separator();
                 self.preferences_menu(ui);
@@ -49,13 +66,10 @@ impl App {
     }
 
     fn file_menu(&mut self, ui: &mut Ui) {
-        let item = |ui: &mut Ui, words: &str, keys: KeyboardShortcut| {
-            ui.add(Button::new(words).shortcut_text(ui.ctx().format_shortcut(&keys))).clicked()
-        };
-        if item(ui, "New", keys::NEW) {
+        if item(ui, true, "New", keys::NEW) {
             self.leave(ui, Leave::New);
         }
-        if item(ui, "Open …", keys::OPEN) {
+        if item(ui, true, "Open …", keys::OPEN) {
             self.browse(ui.ctx(), Browse::Open);
         }
         if ui.button("Examples …").clicked() {
@@ -72,10 +86,10 @@ impl App {
                 }
             }
         });
-        if item(ui, "Save", keys::SAVE) {
+        if item(ui, true, "Save", keys::SAVE) {
             self.save(ui.ctx(), None);
         }
-        if item(ui, "Save as …", keys::SAVE_AS) {
+        if item(ui, true, "Save as …", keys::SAVE_AS) {
             self.browse(ui.ctx(), Browse::Save);
         }
         ui.separator();
@@ -96,9 +110,6 @@ impl App {
 
     fn edit_menu(&mut self, ui: &mut Ui) {
         let any = !self.model.selection.is_empty();
-        let item = |ui: &mut Ui, on: bool, words: &str, keys: KeyboardShortcut| {
-            ui.add_enabled(on, Button::new(words).shortcut_text(ui.ctx().format_shortcut(&keys))).clicked()
-        };
         let (undo, redo) = self.model.steps();
         if item(ui, undo > 0, "Undo", keys::UNDO) {
             self.model.undo();
@@ -113,6 +124,10 @@ impl App {
         if item(ui, any, "Cut", command(Key::X)) {
             self.copy(ui);
             self.model.delete_selection();
+        }
+        if item(ui, true, "Paste", command(Key::V)) {
+            // The desktop gives what is in the clipboard when it is asked, as an event of the next frame.
+            ui.ctx().send_viewport_cmd(ViewportCommand::RequestPaste);
         }
         if item(ui, any, "Duplicate", keys::DUPLICATE) {
             self.model.message = self.model.duplicate([40.0, 40.0]).err();
@@ -140,6 +155,9 @@ impl App {
         }
         if ui.add_enabled(any, Button::new("Delete").shortcut_text("Del")).clicked() {
             self.model.delete_selection();
+        }
+        if ui.add(Button::new("Find a node of the graph …").shortcut_text("F3")).clicked() {
+            self.canvas.open_search();
         }
         if item(ui, true, "Select all", keys::ALL) {
             self.model.selection = self.model.document().nodes().keys().cloned().collect();

@@ -70,6 +70,17 @@ pub enum Side {
     Boards,
 }
 
+impl Side {
+    /// Its name for people.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Space => "Space",
+            Self::Boards => "Boards",
+        }
+    }
+}
+
 impl App {
     /// The window's content; opens `graph` if one is given.
     ///
@@ -141,8 +152,10 @@ impl App {
 
     fn side(&mut self, ui: &mut Ui) {
         ui.horizontal(|ui| {
-            ui.selectable_value(&mut self.side, Side::Space, "Space");
-            ui.selectable_value(&mut self.side, Side::Boards, "Boards");
+            for (key, side) in keys::BESIDE {
+                let hint = format!("Alt+{}", key.name());
+                ui.selectable_value(&mut self.side, side, side.name()).on_hover_text(hint);
+            }
             if self.side == Side::Boards && !self.model.results.files.is_empty() {
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     if ui.button("Export the files …").on_hover_text(panels::EXPORT).clicked() {
@@ -157,6 +170,9 @@ impl App {
             Side::Boards => {
                 if fit {
                     self.boards.show_all();
+                }
+                if keys {
+                    self.boards.keys(ui);
                 }
                 self.boards.show(ui, &mut self.model, &mut self.viewport.picked);
             }

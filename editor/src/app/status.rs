@@ -15,14 +15,10 @@ impl App {
             if ui.button(RichText::new(words).color(colour)).clicked() {
                 self.lower.toggle(panels::Tab::Problems);
             }
-            if ui.button("Data").clicked() {
-                self.lower.toggle(panels::Tab::Data);
-            }
-            if ui.button("Pieces").clicked() {
-                self.lower.toggle(panels::Tab::Pieces);
-            }
-            if ui.button("Profile").clicked() {
-                self.lower.toggle(panels::Tab::Profile);
+            for tab in [panels::Tab::Data, panels::Tab::Pieces, panels::Tab::Profile] {
+                if ui.button(tab.name()).clicked() {
+                    self.lower.toggle(tab);
+                }
             }
             ui.separator();
             if self.model.settled() {

@@ -16,7 +16,7 @@ use carve::{Carved, Carver, Moment};
 use draw::Draw;
 pub use draw::kind_colour;
 use eframe::egui::{
-    self, Color32, Context, Id, Rect, Sense, TextureHandle, TextureOptions, Ui, WidgetInfo, WidgetType, pos2,
+    self, Color32, Context, Id, Key, Rect, Sense, TextureHandle, TextureOptions, Ui, WidgetInfo, WidgetType, pos2,
 };
 use player::Player;
 use space::Space;
@@ -105,6 +105,19 @@ impl BoardView {
                 self.plays.want(found.digest, move || wake.request_repaint(), read);
             }
             None => self.plays.forget(),
+        }
+    }
+
+    /// Keys of the player: Space plays and pauses, comma and full stop go one move back and on.
+    pub fn keys(&mut self, ui: &Ui) {
+        let Some(plays) = self.plays.last() else { return };
+        let keys = [Key::Space, Key::Comma, Key::Period];
+        let [play, back, on] = ui.input(|i| keys.map(|key| i.modifiers.is_none() && i.key_pressed(key)));
+        if play {
+            self.player.play_or_pause(plays);
+        }
+        if back || on {
+            self.player.step(plays, on);
         }
     }
 

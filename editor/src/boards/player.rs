@@ -72,6 +72,28 @@ impl Player {
         line.is_some() && self.faults.iter().any(|f| f.board == play.board && f.line == line)
     }
 
+    /// Plays from where the tool is, from the start if it is at the end; or pauses.
+    pub fn play_or_pause(&mut self, plays: &[Play]) {
+        let Some(play) = plays.get(self.program) else { return };
+        self.playing = !self.playing;
+        if self.playing && self.time >= play.length() {
+            self.time = 0.0;
+        }
+        self.begun = true;
+    }
+
+    /// Goes to the end of the move that runs, or of the next; or back to its start, or to that of the one before. O(log moves).
+    pub fn step(&mut self, plays: &[Play], on: bool) {
+        let Some(play) = plays.get(self.program) else { return };
+        let (steps, now) = (&play.steps, self.time);
+        let to = match on {
+            true => steps.get(steps.partition_point(|s| s.time[1] <= now)).map_or(play.length(), |s| s.time[1]),
+            false => steps[..steps.partition_point(|s| s.time[0] < now)].last().map_or(0.0, |s| s.time[0]),
+        };
+        self.playing = false;
+        self.go_to(to);
+    }
+
     /// Takes the program of a board.
     pub fn choose(&mut self, plays: &[Play], board: u32) {
         if let Some(program) = plays.iter().position(|p| p.board == board).filter(|p| *p != self.program) {
@@ -117,12 +139,9 @@ impl Player {
             self.choose_fault(ui, play);
         });
         ui.horizontal(|ui| {
-            if ui.button(if self.playing { "Pause" } else { "Play" }).clicked() {
-                self.playing = !self.playing;
-                if self.playing && self.time >= length {
-                    self.time = 0.0;
-                }
-                self.begun = true;
+            let button = ui.button(if self.playing { "Pause" } else { "Play" });
+            if button.on_hover_text("Space over the boards; comma and full stop: one move").clicked() {
+                self.play_or_pause(plays);
             }
             ui.spacing_mut().slider_width = (ui.available_width() - 190.0).max(60.0);
             let slider = ui.add(Slider::new(&mut self.time, 0.0..=length.max(1e-9)).show_value(false));

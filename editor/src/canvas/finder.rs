@@ -1,18 +1,16 @@
 //! The finder: type a few letters, get a node; type a number or `0<5<10`, get a slider. Opened by a wire it offers what the
 //! wire fits and connects it.
 
+use super::chooser::{Chooser, Chosen, Entries};
 use super::shape::Shapes;
 use super::wiring::End;
 use crate::model::Model;
 use crate::model::catalog::TypeInfo;
 use crate::model::param::{Typed, shown};
 use crate::theme;
-use eframe::egui::{Area, Frame, Id, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui, Vec2, vec2};
+use eframe::egui::{Pos2, Rect, Response, RichText, Sense, Ui, vec2};
 use std::sync::Arc;
 use tenon_engine::{Json, Operation};
-
-/// Room that a full list takes.
-const ROOM: Vec2 = vec2(320.0, 350.0);
 
 /// What came of a frame of the finder.
 pub enum Found {
@@ -70,15 +68,53 @@ pub struct Finder {
     /// Where on screen it was asked for.
     pub at: Pos2,
     wire: Option<End>,
-    typed: String,
-    chosen: usize,
-    begun: bool,
+    chooser: Chooser,
+}
+
+/// Offers as they stand in the list.
+struct Offers<'a> {
+    all: &'a [Offer],
+    /// The port of each that the wire would go to, and in which direction that is.
+    ports: Vec<Option<String>>,
+    arrow: &'a str,
+    model: &'a Model,
+}
+
+impl Offers<'_> {
+    fn info(&self, entry: usize) -> Option<&Arc<TypeInfo>> {
+        self.model.catalog.get(self.all.get(entry)?.type_name())
+    }
+}
+
+impl Entries for Offers<'_> {
+    fn count(&self) -> usize {
+        self.all.len()
+    }
+
+    fn row(&self, ui: &mut Ui, entry: usize, chosen: bool) -> Response {
+        let category = self.info(entry).map_or("", |t| &t.category);
+        let row = ui.horizontal(|ui| {
+            let (rect, _) = ui.allocate_exact_size(vec2(8.0, 8.0), Sense::hover());
+            ui.painter().circle_filled(rect.center(), 4.0, theme::category_colour(category, &theme::Theme::of(ui)));
+            let label = ui.selectable_label(chosen, self.all[entry].title());
+            ui.label(RichText::new(category).weak().small());
+            if let Some(port) = &self.ports[entry] {
+                ui.label(RichText::new(format!("{} {port}", self.arrow)).small());
+            }
+            label
+        });
+        row.inner.on_hover_text(self.about(entry).unwrap_or_default())
+    }
+
+    fn about(&self, entry: usize) -> Option<&str> {
+        self.info(entry).map(|t| t.doc.as_str())
+    }
 }
 
 impl Finder {
     /// Opens at a place on screen, for a wire if one was let go there.
     pub fn new(at: Pos2, wire: Option<End>) -> Self {
-        Self { at, wire, typed: String::new(), chosen: 0, begun: false }
+        Self { at, wire, chooser: Chooser::default() }
     }
 
     /// The port of a type that the wire would go to; none if there is no wire, or none that it fits.
@@ -95,95 +131,29 @@ impl Finder {
 
     /// What was typed as a value, then node types.
     fn offers(&self, model: &Model) -> Vec<Offer> {
-        let typed = self.typed.trim();
+        let typed = self.chooser.typed.trim();
         let slider = Typed::read(typed).map(Offer::Slider);
         let text = typed.strip_prefix('"').map(|t| t.strip_suffix('"').unwrap_or(t)).filter(|t| !t.is_empty());
         let value = slider.or(text.map(|t| Offer::Text(t.to_owned())));
         let value = value.filter(|v| model.catalog.get(v.type_name()).is_some_and(|t| self.fits(model, t)));
-        let types = model.catalog.find(&self.typed, |t| self.fits(model, t));
+        let types = model.catalog.find(&self.chooser.typed, |t| self.fits(model, t));
         value.into_iter().chain(types.into_iter().map(Offer::Type)).collect()
     }
 
     /// Shows it.
-    pub fn show(&mut self, ui: &mut Ui, area: Rect, model: &Model) -> Found {
-        let all = self.offers(model);
-        let mut found = Found::Open;
-        // Where there is room for a full list, so that it does not jump while it grows and shrinks.
-        let room = area.max - ROOM;
-        let at = self.at.min(room).max(area.min);
-        let shown = Area::new(Id::new("finder")).order(Order::Foreground).fixed_pos(at).constrain_to(area).show(
-            ui.ctx(),
-            |ui| {
-                Frame::popup(ui.style()).show(ui, |ui| {
-                    ui.set_width(300.0);
-                    let hint = self.wire.as_ref().map_or("find a node, or type 0<5<10".to_owned(), |w| {
-                        format!("find a node for {}", w.type_name)
-                    });
-                    let field = ui.add_sized(vec2(300.0, 22.0), TextEdit::singleline(&mut self.typed).hint_text(hint));
-                    if !self.begun {
-                        field.request_focus();
-                    }
-                    if field.changed() {
-                        self.chosen = 0;
-                    }
-                    let (down, up, enter, escape) = ui.input(|i| {
-                        let key = |k| i.key_pressed(k);
-                        (key(Key::ArrowDown), key(Key::ArrowUp), key(Key::Enter), key(Key::Escape))
-                    });
-                    self.chosen = (self.chosen + usize::from(down))
-                        .saturating_sub(usize::from(up))
-                        .min(all.len().saturating_sub(1));
-                    found = self.list(ui, &all, down || up, model);
-                    if let Some(t) = all.get(self.chosen).filter(|_| enter) {
-                        found = Found::Chosen(t.clone());
-                    }
-                    if escape {
-                        found = Found::Closed;
-                    }
-                });
-            },
-        );
-        if self.begun && shown.response.clicked_elsewhere() && matches!(found, Found::Open) {
-            found = Found::Closed;
+    pub fn show(&mut self, ui: &Ui, area: Rect, model: &Model) -> Found {
+        let (all, hint) = (self.offers(model), self.wire.as_ref());
+        let hint =
+            hint.map_or("find a node, or type 0<5<10".to_owned(), |w| format!("find a node for {}", w.type_name));
+        let ports =
+            all.iter().map(|o| self.port(model, model.catalog.get(o.type_name())?).map(str::to_owned)).collect();
+        let arrow = if self.wire.as_ref().is_some_and(|w| w.output) { "to" } else { "from" };
+        let offers = Offers { all: &all, ports, arrow, model };
+        match self.chooser.show(ui, area, self.at, &hint, &offers) {
+            Chosen::Open => Found::Open,
+            Chosen::Closed => Found::Closed,
+            Chosen::Entry(i) => all.get(i).cloned().map_or(Found::Closed, Found::Chosen),
         }
-        self.begun = true;
-        found
-    }
-
-    fn list(&self, ui: &mut Ui, all: &[Offer], moved: bool, model: &Model) -> Found {
-        let mut found = Found::Open;
-        if all.is_empty() {
-            ui.label("nothing has that name");
-        }
-        ScrollArea::vertical().max_height(240.0).show(ui, |ui| {
-            ui.set_width(ui.available_width());
-            for (i, offer) in all.iter().enumerate() {
-                let Some(t) = model.catalog.get(offer.type_name()) else { continue };
-                let row = ui.horizontal(|ui| {
-                    let (rect, _) = ui.allocate_exact_size(vec2(8.0, 8.0), eframe::egui::Sense::hover());
-                    let colour = theme::category_colour(&t.category, &theme::Theme::of(ui));
-                    ui.painter().circle_filled(rect.center(), 4.0, colour);
-                    let label = ui.selectable_label(i == self.chosen, offer.title()).on_hover_text(&t.doc);
-                    ui.label(RichText::new(&t.category).weak().small());
-                    if let Some(port) = self.port(model, t) {
-                        let arrow = if self.wire.as_ref().is_some_and(|w| w.output) { "to" } else { "from" };
-                        ui.label(RichText::new(format!("{arrow} {port}")).small());
-                    }
-                    label
-                });
-                if row.inner.clicked() {
-                    found = Found::Chosen(offer.clone());
-                }
-                if i == self.chosen && moved {
-                    row.response.scroll_to_me(None);
-                }
-            }
-        });
-        if let Some(t) = all.get(self.chosen).and_then(|o| model.catalog.get(o.type_name())) {
-            ui.separator();
-            ui.label(RichText::new(&t.doc).small());
-        }
-        found
     }
 
     /// Adds what was chosen, with the wire if there is one, as one step.

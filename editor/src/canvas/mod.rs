@@ -2,6 +2,7 @@
 //! folded, what is being dragged); every change goes to the model as an operation.
 
 mod align;
+mod chooser;
 mod finder;
 mod gesture;
 mod groups;
@@ -9,6 +10,7 @@ mod hit;
 mod input;
 mod menu;
 mod paint;
+mod search;
 mod shape;
 mod sheet;
 mod tip;
@@ -31,6 +33,7 @@ use gesture::Gesture;
 use hit::Hit;
 use input::Typing;
 use paint::Paint;
+use search::{Search, Sought};
 use std::collections::{BTreeSet, HashMap};
 
 /// The canvas of one window.
@@ -46,6 +49,7 @@ pub struct Canvas {
     typing: Option<Typing>,
     table: Option<Table>,
     finder: Option<Finder>,
+    search: Option<Search>,
     /// What the context menu was opened on.
     menu_on: Option<Hit>,
     /// Where on screen it was opened.
@@ -68,6 +72,7 @@ impl Default for Canvas {
             typing: None,
             table: None,
             finder: None,
+            search: None,
             menu_on: None,
             menu_at: egui::Pos2::ZERO,
             fit: false,
@@ -84,7 +89,7 @@ impl Canvas {
         self.entries = None;
         self.typing = None;
         self.table = None;
-        self.finder = None;
+        (self.finder, self.search) = (None, None);
         self.gesture = Gesture::Idle;
         (self.fit, self.arrange) = (true, true);
     }
@@ -97,7 +102,7 @@ impl Canvas {
     /// Whether keys belong to a field that is open.
     #[must_use]
     pub fn is_typing(&self) -> bool {
-        self.typing.is_some() || self.finder.is_some()
+        self.typing.is_some() || self.finder.is_some() || self.search.is_some()
     }
 
     /// Places nodes that have no place yet.
@@ -259,7 +264,22 @@ impl Canvas {
         self.finder = Some(Finder::new(at, None));
     }
 
+    /// Opens the search for a node of the graph.
+    pub fn open_search(&mut self) {
+        self.search = Some(Search::default());
+    }
+
     fn find(&mut self, ui: &mut Ui, area: Rect, model: &mut Model) {
+        if let Some(mut search) = self.search.take() {
+            match search.show(ui, area, model) {
+                Sought::Open => self.search = Some(search),
+                Sought::Closed => {}
+                Sought::Node(id) => {
+                    model.selection = [id].into();
+                    self.show_all();
+                }
+            }
+        }
         let Some(mut finder) = self.finder.take() else { return };
         let at = self.view.to_canvas(area, finder.at);
         match finder.show(ui, area, model) {

@@ -251,11 +251,7 @@ fn rank_word(t: &TypeInfo, typed: &str) -> Option<u32> {
     if category.contains(typed) {
         return Some(5);
     }
-    // Letters in order, as one types in a hurry.
-    let within = |text: &str| {
-        let mut letters = text.chars();
-        typed.chars().filter(|c| !c.is_whitespace()).all(|c| letters.any(|l| l == c))
-    };
+    let within = |text: &str| letters_in_order(typed, text);
     if within(&title) || within(&name) {
         return Some(6);
     }
@@ -263,6 +259,13 @@ fn rank_word(t: &TypeInfo, typed: &str) -> Option<u32> {
         return Some(7);
     }
     t.doc.to_lowercase().contains(typed).then_some(8)
+}
+
+/// Whether a text has all letters that were typed, in their order, as one types in a hurry.
+#[must_use]
+pub fn letters_in_order(typed: &str, text: &str) -> bool {
+    let mut letters = text.chars();
+    typed.chars().filter(|c| !c.is_whitespace()).all(|c| letters.any(|l| l == c))
 }
 
 #[cfg(test)]

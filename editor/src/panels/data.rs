@@ -303,9 +303,8 @@ mod tests {
     #[test]
     fn an_open_branch_has_its_items_below_it_and_an_empty_one_has_none() {
         let branches = [2_usize, 0, 1].into_iter().enumerate();
-        let tree = Tree::from_branches(
-            branches.map(|(b, n)| (Path::root().child(b), Column::new(vec![0.5; n]))).collect(),
-        );
+        let tree =
+            Tree::from_branches(branches.map(|(b, n)| (Path::root().child(b), Column::new(vec![0.5; n]))).collect());
         let rows = |open: [bool; 3]| {
             let folds = Folds::new(&tree, open.to_vec());
             (0..folds.rows.count).filter_map(|row| folds.rows.find(row)).collect::<Vec<_>>()

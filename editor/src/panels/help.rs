@@ -4,6 +4,7 @@ use eframe::egui::{Grid, ScrollArea, Ui, Window};
 
 const KEYS: &[(&str, &str)] = &[
     ("double-click on the canvas, F4, Ctrl+Space", "find a node and add it; 0<5<10 or 5 is a slider, \"words a text"),
+    ("F3", "find a node of the graph by its name, type, text or remark, and go there"),
     ("drag from a port", "draw a wire; let go on the canvas: find a node for it"),
     ("Ctrl and drag from an input", "take the last wire off it"),
     ("Ctrl+Shift and drag from a port", "lead all its wires to another port"),
@@ -28,6 +29,9 @@ const KEYS: &[(&str, &str)] = &[
     ("Ctrl+N, Ctrl+O, Ctrl+S, Ctrl+Shift+S", "new, open, save, save as"),
     ("Esc", "give up what is being dragged; else stop the evaluation; then: select nothing"),
     ("F5", "evaluate again"),
+    ("Alt+1, 2, 3, 4", "problems, profile, data, pieces below the canvas"),
+    ("Alt+5, Alt+6", "space, boards"),
+    ("Space, comma, full stop over the boards", "play or pause; one move back; one move on"),
     ("drag in the viewport", "turn; with Shift or the middle button: move"),
     ("drag a point in the viewport", "move it in a plane; with X, Y or Z held along that axis, with Shift on a grid"),
     ("click a panel", "select it and its node"),

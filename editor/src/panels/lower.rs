@@ -24,6 +24,19 @@ pub enum Tab {
     Pieces,
 }
 
+impl Tab {
+    /// Its name for people.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Problems => "Problems",
+            Self::Profile => "Profile",
+            Self::Data => "Data",
+            Self::Pieces => "Pieces",
+        }
+    }
+}
+
 /// What was clicked.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Went {
@@ -59,10 +72,8 @@ impl Lower {
     /// Shows it; gives what was clicked.
     pub fn show(&mut self, ui: &mut Ui, model: &Model, plays: &[Play]) -> Option<Went> {
         ui.horizontal(|ui| {
-            for (tab, words) in
-                [(Tab::Problems, "Problems"), (Tab::Profile, "Profile"), (Tab::Data, "Data"), (Tab::Pieces, "Pieces")]
-            {
-                if ui.selectable_label(self.tab == Some(tab), words).clicked() {
+            for tab in [Tab::Problems, Tab::Profile, Tab::Data, Tab::Pieces] {
+                if ui.selectable_label(self.tab == Some(tab), tab.name()).clicked() {
                     self.tab = Some(tab);
                 }
             }
