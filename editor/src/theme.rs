@@ -1,6 +1,6 @@
 //! Colours of canvas and viewport on a light and a dark ground, and how figures are written.
 
-use eframe::egui::{Color32, Context, Ui};
+use eframe::egui::{Color32, Context, FontId, TextStyle, Ui};
 use std::time::Duration;
 
 /// Colours that depend on the ground.
@@ -105,10 +105,16 @@ impl Theme {
     }
 }
 
-/// Gives what egui paints the colours that it lacks: its own weak text is too faint to be read.
+/// The smallest text that is read without effort.
+pub const SMALL: f32 = 11.0;
+
+/// Gives what egui paints the colours and sizes that it lacks: its own weak text is too faint to be read, the small too small.
 pub fn install(ctx: &Context) {
     for (ground, theme) in [(eframe::egui::Theme::Dark, DARK), (eframe::egui::Theme::Light, LIGHT)] {
-        ctx.style_mut_of(ground, |style| style.visuals.weak_text_color = Some(theme.faint_text));
+        ctx.style_mut_of(ground, |style| {
+            style.visuals.weak_text_color = Some(theme.faint_text);
+            style.text_styles.insert(TextStyle::Small, FontId::proportional(SMALL));
+        });
     }
 }
 

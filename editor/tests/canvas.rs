@@ -383,3 +383,42 @@ fn points_at_an_input_are_edited_as_a_table() {
     w.settle();
     assert_eq!(w.app().model.results.counts().0, 0, "{:?}", w.app().model.results.diagnostics);
 }
+
+#[test]
+fn points_at_an_input_are_drawn_and_dragged_put_in_and_taken_away() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": { "c": { "type": "ifs_curve", "v": 1, "params": { "points": [[0, 5, 0], [400, 5, 300], [1000, 5, 0]] } } }
+}"#;
+    let mut w = Window::open(Some(&graph("drawing", text)));
+    w.double_click(w.rect("input c.points").center());
+    w.settle();
+    let points = |w: &Window| -> Vec<[f64; 3]> { serde_json::from_str(&w.param("c", "points")).unwrap() };
+    let handle = |w: &Window, i: usize| w.rect(&format!("point {i} in the drawing")).center();
+    // Seen from the front, where they spread most: y stays.
+    let (a, b, top) = (handle(&w, 1), handle(&w, 3), handle(&w, 2));
+    assert!(a.y == b.y && top.y < a.y && a.x < top.x && top.x < b.x);
+    w.drag(top, top - vec2(0.0, 12.0));
+    w.settle();
+    let higher = points(&w)[1];
+    assert!(higher[0] == 400.0 && higher[1] == 5.0 && higher[2] > 310.0, "{higher:?}");
+    assert_eq!(w.app().model.steps().0, 1, "dragging is one step");
+    w.drag_with(handle(&w, 2), handle(&w, 2) + vec2(11.0, 7.0), PointerButton::Primary, Modifiers::SHIFT);
+    w.settle();
+    let on_grid = points(&w)[1];
+    assert!(on_grid[0] % 10.0 == 0.0 && on_grid[2] % 10.0 == 0.0 && on_grid != higher, "{on_grid:?}");
+    let between = handle(&w, 1).lerp(handle(&w, 2), 0.5);
+    w.double_click(between);
+    assert_eq!(points(&w).len(), 4);
+    let new = points(&w)[1];
+    assert!((new[0] - on_grid[0] / 2.0).abs() < 20.0 && new[1] == 5.0, "{new:?} lies between the first two");
+    w.settle();
+    w.picture("drawing");
+    w.click_with(handle(&w, 2), PointerButton::Secondary, Modifiers::NONE);
+    assert_eq!(points(&w).len(), 3);
+    assert!(points(&w)[1] == on_grid && w.app().model.results.counts().0 == 0);
+    w.click(w.rect("from above").center());
+    w.steps(2);
+    assert!(handle(&w, 1).y == handle(&w, 2).y, "all have the same y");
+}

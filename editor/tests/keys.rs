@@ -317,6 +317,9 @@ fn what_lies_under_the_map_is_not_touched_by_clicks_and_drags_on_it() {
         w.app().canvas.view.origin
     };
     let before = under(&mut w);
+    w.rest(on_map);
+    assert!(!w.has_containing("number, mm") && !w.has_containing("(point)"), "no tooltip of what lies there");
+    w.rest(w.rect("output q.point").left_center() + vec2(4.0, 0.0));
     w.click(on_map);
     assert!(w.app().canvas.view.origin != before && selected(&w).is_empty());
     let before = under(&mut w);

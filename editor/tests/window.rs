@@ -2,7 +2,7 @@
 
 use crate::common::{Window, example, folder, graph};
 use eframe::egui::{Key, Modifiers, Rect, vec2};
-use egui_kittest::kittest::Queryable as _;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use std::time::{Duration, Instant};
 use tenon_engine::Diagnostic;
 
@@ -195,12 +195,8 @@ fn texts_of_the_status_line_lie_beside_each_other_in_a_small_window() {
             _ => w.app().model.message = Some(Diagnostic::error("short", "no")),
         }
         w.steps(2);
-        let line = w.rect("Profile");
-        let all = w.harness.get_all_by_label_contains("").map(|n| n.rect());
-        let all: Vec<Rect> =
-            all.filter(|r| line.y_range().expand(1.0).contains(r.top()) && r.bottom() < 480.0).collect();
-        // What the panels above it scroll out of sight is not of the line.
-        let all: Vec<Rect> = all.into_iter().filter(|r| (r.center().y - line.center().y).abs() < 2.0).collect();
+        let line = w.harness.get_by_label("Profile").parent().expect("it stands in the line");
+        let all: Vec<Rect> = line.children().map(|n| n.rect()).collect();
         assert!(all.len() >= 6, "{all:?}");
         for (i, a) in all.iter().enumerate() {
             assert!(a.left() >= 0.0 && a.right() <= 640.0, "{a:?} is out of the window");

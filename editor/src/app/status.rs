@@ -56,7 +56,8 @@ impl App {
             } else {
                 let chosen = self.model.selection.len();
                 let nodes = self.model.document().nodes().len();
-                ui.add(Label::new(RichText::new(format!("{nodes} nodes, {chosen} selected")).weak()).truncate());
+                let words = format!("{nodes} node{}, {chosen} selected", if nodes == 1 { "" } else { "s" });
+                ui.add(Label::new(RichText::new(words).weak()).truncate());
             }
             // The card is named where there is room for its whole name.
             let card = WidgetText::from(RichText::new(&self.card).weak());

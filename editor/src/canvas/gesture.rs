@@ -348,6 +348,7 @@ impl Canvas {
             Gesture::Wire(end) => {
                 let Some(at) = pointer else { return };
                 match self.hit(area, at, model) {
+                    _ if self.map_at(area, at).is_some() => {}
                     Hit::Nothing | Hit::Wire(_) | Hit::Group(_) => self.finder = Some(Finder::new(at, Some(end))),
                     hit => self.drop_wire(&end, hit, at, area, model),
                 }
@@ -427,7 +428,7 @@ impl Canvas {
     }
 
     /// The map under a place on screen: where it is, and what it shows.
-    fn map_at(&self, area: Rect, at: Pos2) -> Option<(Rect, Rect)> {
+    pub(super) fn map_at(&self, area: Rect, at: Pos2) -> Option<(Rect, Rect)> {
         super::paint::map(self.view, area, &self.shapes).filter(|(map, _)| map.contains(at))
     }
 

@@ -182,6 +182,8 @@ impl Canvas {
             return;
         }
         let seen = self.view.seen(area);
+        let pointer = ui.input(|i| i.pointer.latest_pos());
+        let tips = self.gesture.is_idle() && pointer.is_none_or(|at| self.map_at(area, at).is_none());
         for name in model.document().groups.keys() {
             let Some(strip) = groups::strip(model.document(), &self.shapes, name) else { continue };
             let rect = self.view.rect_to_screen(area, strip).intersect(area);
@@ -198,7 +200,7 @@ impl Canvas {
             let rect = self.view.rect_to_screen(area, header).intersect(area);
             let node = ui.interact(rect, id, Sense::hover());
             node.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("node {}", shape.id)));
-            if self.gesture.is_idle() {
+            if tips {
                 node.on_hover_ui(|ui| tip::node(ui, model, shape));
             }
             if let Some(badge) = paint::badge(shape, model) {
@@ -206,7 +208,9 @@ impl Canvas {
                 let response = ui.interact(rect, Id::new(("badge", &shape.id)), Sense::hover());
                 response
                     .widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("problems of {}", shape.id)));
-                response.on_hover_ui(|ui| tip::problems(ui, model, shape));
+                if tips {
+                    response.on_hover_ui(|ui| tip::problems(ui, model, shape));
+                }
             }
             if self.view.zoom < 0.45 || shape.kind == shape::Kind::Note {
                 continue;
@@ -226,7 +230,7 @@ impl Canvas {
                 let row = Id::new(("row", &shape.id, r));
                 let response = ui.interact(rect, row, Sense::hover());
                 response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &label));
-                if port != usize::MAX && self.gesture.is_idle() {
+                if port != usize::MAX && tips {
                     response.on_hover_ui(|ui| tip::port(ui, model, shape, port, output));
                 }
             }
@@ -301,8 +305,11 @@ impl Canvas {
         }
     }
 
-    /// The part of the canvas that the pointer is over.
+    /// The part of the canvas that the pointer is over; nothing where the map lies on it.
     fn hit(&self, area: Rect, at: egui::Pos2, model: &Model) -> Hit {
+        if self.map_at(area, at).is_some() {
+            return Hit::Nothing;
+        }
         let at = self.view.to_canvas(area, at);
         hit::hit(&self.shapes, model.document(), at, &model.selection, self.view.zoom)
     }

@@ -227,7 +227,13 @@ impl Paint<'_> {
         self.painter.rect(rect, radius, colour, Stroke::new(1.0, self.theme.canvas), StrokeKind::Outside);
         if self.view.zoom >= DETAIL[0] {
             let words = if count > 99 { "99+".to_owned() } else { count.to_string() };
-            self.painter.text(rect.center(), Align2::CENTER_CENTER, words, self.font(10.0), theme::ink_on(colour));
+            self.painter.text(
+                rect.center(),
+                Align2::CENTER_CENTER,
+                words,
+                self.font(theme::SMALL),
+                theme::ink_on(colour),
+            );
         }
     }
 
@@ -288,14 +294,14 @@ impl Paint<'_> {
             _ => String::new(),
         };
         let badge = if self.hidden(shape) { format!("hidden  {state}") } else { state };
-        let size = self.painter.layout_no_wrap(badge.clone(), self.font(10.0), ink).size();
+        let size = self.painter.layout_no_wrap(badge.clone(), self.font(theme::SMALL), ink).size();
         let room = Rect::from_min_max(pos2(inside.right() - size.x - 4.0, header.top()), header.max);
         self.painter.rect_filled(room.shrink(1.0), 0.0, bar);
         self.painter.text(
             inside.right_center(),
             Align2::RIGHT_CENTER,
             badge,
-            self.font(10.0),
+            self.font(theme::SMALL),
             ink.gamma_multiply(0.85),
         );
     }

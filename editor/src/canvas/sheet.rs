@@ -69,7 +69,13 @@ impl Paint<'_> {
             Some(tree) => format!("{} {}", tree.len(), tree.type_name()),
             None => "no value yet".to_owned(),
         };
-        self.painter.text(inside.right_center(), Align2::RIGHT_CENTER, words, self.font(10.0), ink.gamma_multiply(0.8));
+        self.painter.text(
+            inside.right_center(),
+            Align2::RIGHT_CENTER,
+            words,
+            self.font(theme::SMALL),
+            ink.gamma_multiply(0.8),
+        );
         let Some(tree) = tree else { return };
         let body = Rect::from_min_max(pos2(inside.left(), head.bottom()), rect.max - vec2(self.scaled(8.0), 2.0));
         let painter = self.painter.with_clip_rect(body.intersect(self.painter.clip_rect()));

@@ -9,6 +9,7 @@ mod inspector;
 mod interface;
 mod lower;
 mod pieces;
+mod plan;
 pub mod table;
 
 pub use browser::{Browse, Browser, Chosen};

@@ -1,9 +1,11 @@
 //! Lists that stand at an input, as a table: points with their weights, numbers, texts. Rows are typed, turned, added, moved
-//! and taken away.
+//! and taken away; above those of points stands a drawing of them.
 
 use crate::model::Model;
 use crate::model::catalog::PortInfo;
 use crate::model::param::number;
+use crate::panels::plan::{Drawn, Plan};
+use crate::scene::Drawing;
 use eframe::egui::{Button, DragValue, Key, Rect, Response, ScrollArea, TextEdit, Ui, WidgetInfo, WidgetType, Window};
 use tenon_engine::{Access, Json, Operation};
 
@@ -57,8 +59,9 @@ pub fn edits(port: &PortInfo, value: Option<&Json>) -> bool {
 pub struct Table {
     node: String,
     port: PortInfo,
-    /// A value is being turned or typed, which is one step.
+    /// A value is being turned or typed, or a point dragged, which is one step.
     turning: bool,
+    plan: Plan,
 }
 
 /// What is done with the rows.
@@ -67,7 +70,8 @@ enum Change {
     Set(usize, Json),
     /// A weight has another value.
     Weight(usize, f64),
-    Add,
+    /// A new row, before the one of this number.
+    Add(usize, Json),
     Remove(usize),
     Up(usize),
 }
@@ -76,7 +80,7 @@ impl Table {
     /// Opens the table of an input.
     #[must_use]
     pub fn new(node: String, port: PortInfo) -> Self {
-        Self { node, port, turning: false }
+        Self { node, port, turning: false, plan: Plan::default() }
     }
 
     /// Shows it in a window of its own; false once it is closed.
@@ -107,8 +111,12 @@ impl Table {
         let single = self.port.access == Access::Item;
         ui.weak(&self.port.doc);
         let (mut change, mut busy) = (None, false);
+        if row == Row::Point && !single {
+            change = self.draw(ui, model, &list);
+            busy = self.plan.is_dragging();
+        }
         let height = ui.spacing().interact_size.y;
-        let room = (ui.ctx().content_rect().height() - 240.0).clamp(80.0, 360.0);
+        let room = (ui.ctx().content_rect().height() - 440.0).clamp(80.0, 360.0);
         ScrollArea::vertical().max_height(room).show_rows(ui, height, list.len(), |ui, seen| {
             for i in seen {
                 let Some(item) = list.get(i) else { continue };
@@ -141,7 +149,7 @@ impl Table {
         if !single {
             ui.horizontal(|ui| {
                 if ui.button("Add a row").clicked() {
-                    change = Some(Change::Add);
+                    change = Some(Change::Add(list.len(), next(row, &list)));
                 }
                 ui.weak(format!("{} rows", list.len()));
             });
@@ -150,7 +158,7 @@ impl Table {
             model.begin();
         }
         if let Some(change) = change {
-            self.apply(model, row, list, weights, change);
+            self.apply(model, list, weights, change);
         }
         if !busy && self.turning {
             model.end();
@@ -159,16 +167,32 @@ impl Table {
         true
     }
 
-    fn apply(&self, model: &mut Model, row: Row, mut list: Vec<Json>, weights: Option<Vec<f64>>, change: Change) {
+    /// The points as a drawing, with the curves that the node makes.
+    fn draw(&mut self, ui: &mut Ui, model: &Model, list: &[Json]) -> Option<Change> {
+        let points: Vec<[f64; 3]> = list.iter().map(coordinates).collect();
+        let node = format!("{}.", model.path_of(&self.node));
+        let made = model.results.drawings.iter().filter(|(output, _)| output.starts_with(&node));
+        let made: Vec<&Drawing> = made.map(|(_, drawing)| &**drawing).collect();
+        let json = |p: [f64; 3]| p.into_iter().map(number).collect();
+        Some(match self.plan.show(ui, &points, &made)? {
+            Drawn::Move(i, p) => Change::Set(i, json(p)),
+            Drawn::Put(i, p) => Change::Add(i, json(p)),
+            Drawn::Take(i) => Change::Remove(i),
+        })
+    }
+
+    fn apply(&self, model: &mut Model, mut list: Vec<Json>, weights: Option<Vec<f64>>, change: Change) {
         // Weights that are all 1 need not stand in the file.
         let (mut all, plain) = (weights.unwrap_or_default(), |w: &[f64]| w.iter().all(|w| *w == 1.0));
         let was = all.clone();
         match change {
             Change::Set(i, value) => list[i] = value,
             Change::Weight(i, w) => all[i] = w,
-            Change::Add => {
-                list.push(next(row, &list));
-                all.extend((!was.is_empty() || list.len() == 1).then_some(1.0));
+            Change::Add(i, value) => {
+                list.insert(i, value);
+                if !was.is_empty() || list.len() == 1 {
+                    all.insert(i, 1.0);
+                }
             }
             Change::Remove(i) => {
                 list.remove(i);
@@ -206,10 +230,7 @@ fn cells(ui: &mut Ui, row: Row, i: usize, item: &Json, unit: &str) -> (Option<Js
     let (mut new, mut busy) = (None, false);
     match row {
         Row::Point => {
-            let mut p = [0.0; 3];
-            for (slot, v) in p.iter_mut().zip(item.as_array().into_iter().flatten()) {
-                *slot = v.as_f64().unwrap_or_default();
-            }
+            let mut p = coordinates(item);
             for (axis, slot) in ["x", "y", "z"].into_iter().zip(&mut p) {
                 let field = ui.add(DragValue::new(slot).speed(1.0).max_decimals(3).prefix(format!("{axis} ")));
                 named(&field, format!("{axis} of {}", i + 1));
@@ -243,16 +264,20 @@ fn weights(value: Option<&Json>, count: usize) -> Vec<f64> {
     (0..count).map(|i| set.and_then(|l| l.get(i)).and_then(Json::as_f64).unwrap_or(1.0)).collect()
 }
 
+/// The coordinates of a point; those that are not there are 0.
+fn coordinates(point: &Json) -> [f64; 3] {
+    [0, 1, 2].map(|k| point.get(k).and_then(Json::as_f64).unwrap_or_default())
+}
+
 /// What a new row begins with: a point goes on from the last two, everything else repeats the last.
 fn next(row: Row, list: &[Json]) -> Json {
-    let xyz = |v: &Json| [0, 1, 2].map(|k| v.get(k).and_then(Json::as_f64).unwrap_or_default());
     match (row, list) {
         (Row::Point, [.., a, b]) => {
-            let (a, b) = (xyz(a), xyz(b));
+            let (a, b) = (coordinates(a), coordinates(b));
             (0..3).map(|k| number(2.0 * b[k] - a[k])).collect()
         }
         (Row::Point, [a]) => {
-            let a = xyz(a);
+            let a = coordinates(a);
             [a[0] + 1000.0, a[1], a[2]].into_iter().map(number).collect()
         }
         (Row::Point, []) => [0.0; 3].into_iter().map(number).collect(),

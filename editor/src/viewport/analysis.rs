@@ -184,27 +184,38 @@ impl Colours {
     }
 }
 
-/// Where the legend's bar stands.
+/// Width of the fields at the ends of the legend.
+const FIELD: f32 = 84.0;
+
+/// Where the legend's bar stands: below, right of the axes.
 pub fn bar(area: Rect) -> Rect {
-    Rect::from_min_size(area.right_top() + vec2(-26.0, 108.0), vec2(14.0, 150.0))
+    let width = (area.width() - 2.0 * FIELD - 96.0).clamp(40.0, 180.0);
+    Rect::from_min_size(area.right_bottom() - vec2(FIELD + 14.0 + width, 28.0), vec2(width, 14.0))
 }
 
-/// What the colours mean, on the right; the ends of the range stand beside it, to be changed.
-pub fn legend(painter: &Painter, area: Rect, theme: &Theme, m: &Measured) {
-    let (measure, [low, high]) = (&m.measure, m.shown);
+/// Where the fields of the smallest and the largest figure stand.
+pub fn fields(area: Rect) -> [Rect; 2] {
     let bar = bar(area);
-    let steps = 50;
+    let away = 5.0 + FIELD / 2.0;
+    let [low, high] = [bar.left_center() - vec2(away, 0.0), bar.right_center() + vec2(away, 0.0)];
+    [low, high].map(|middle| Rect::from_center_size(middle, vec2(FIELD, 20.0)))
+}
+
+/// What the colours mean; the ends of the range stand beside the bar, to be changed.
+pub fn legend(painter: &Painter, area: Rect, theme: &Theme, m: &Measured) {
+    let (bar, [low, high]) = (bar(area), fields(area));
+    let ground = low.union(high).union(bar.translate(vec2(0.0, -20.0))).expand(4.0);
+    painter.rect_filled(ground, 4.0, theme.space.gamma_multiply(0.88));
+    let steps = 60;
     for i in 0..steps {
         let t = f64::from(i) / f64::from(steps - 1);
-        let y = bar.bottom() - bar.height() * (i as f32 + 1.0) / steps as f32;
-        let step = Rect::from_min_size(pos2(bar.left(), y), vec2(bar.width(), bar.height() / steps as f32 + 0.5));
+        let x = bar.left() + bar.width() * i as f32 / steps as f32;
+        let step = Rect::from_min_size(pos2(x, bar.top()), vec2(bar.width() / steps as f32 + 0.5, bar.height()));
         painter.rect_filled(step, 0.0, gradient(t));
     }
-    let text =
-        |at, words: String| painter.text(at, Align2::RIGHT_CENTER, words, FontId::proportional(12.0), theme.text);
-    text(bar.left_center() - vec2(5.0, 0.0), measure.shown((low + high) / 2.0));
-    let name = measure.name();
-    painter.text(bar.right_top() - vec2(0.0, 22.0), Align2::RIGHT_CENTER, name, FontId::proportional(12.0), theme.text);
+    let name = m.measure.name();
+    let above = bar.center_top() - vec2(0.0, 5.0);
+    painter.text(above, Align2::CENTER_BOTTOM, name, FontId::proportional(12.0), theme.text);
 }
 
 #[cfg(test)]

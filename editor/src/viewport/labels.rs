@@ -49,7 +49,7 @@ impl Labels {
         let mut free = Free::default();
         for (label, at) in self.seen.last().into_iter().flat_map(|s| s.iter()) {
             let Some(at) = place(*at).filter(|at| area.contains(*at)) else { continue };
-            let galley = painter.layout_no_wrap(label.clone(), FontId::proportional(10.0), INK);
+            let galley = painter.layout_no_wrap(label.clone(), FontId::proportional(crate::theme::SMALL), INK);
             let rect = Align2::CENTER_CENTER.anchor_size(at, galley.size()).expand(ROOM);
             if !free.take(rect) {
                 continue;

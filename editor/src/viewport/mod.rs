@@ -250,8 +250,8 @@ impl Viewport {
         let bar = analysis::bar(area);
         let mut range = measured.shown;
         let speed = (measured.range[1] - measured.range[0]).abs().max(1e-9) / 200.0;
-        for (k, y, name) in [(1, bar.top(), "largest in colours"), (0, bar.bottom(), "smallest in colours")] {
-            let room = Rect::from_center_size(egui::pos2(bar.left() - 56.0, y), egui::vec2(100.0, 20.0));
+        let names = ["smallest in colours", "largest in colours"];
+        for (k, (room, name)) in analysis::fields(area).into_iter().zip(names).enumerate() {
             let measure = measured.measure.clone();
             let field = egui::DragValue::new(&mut range[k])
                 .speed(speed)
