@@ -4,7 +4,7 @@
 #[path = "../tests/common.rs"]
 mod common;
 
-use common::{WRONG, Window, example, graph, root};
+use common::{WRONG, Window, example, faulty_shell, graph, root};
 use eframe::egui::{Theme, pos2, vec2};
 use image::DynamicImage;
 use image::codecs::png::{CompressionType, FilterType as Rows, PngEncoder};
@@ -28,7 +28,12 @@ fn main() {
     inside();
     open();
     problems();
+    faults();
+    data();
+    addresses();
+    points();
     gallery();
+    tour();
 }
 
 fn save(picture: impl Into<DynamicImage>, to: &str) {
@@ -161,6 +166,68 @@ fn problems() {
     w.steps(2);
     w.app().model.selection = ["series".to_owned()].into();
     both(&mut w, "editor-problems");
+}
+
+/// What a proof has found: on the board, on the slider, in the list.
+fn faults() {
+    let mut w = window(Some(&faulty_shell()));
+    w.app().side = Side::Boards;
+    choose(&mut w, "prove");
+    let first = w.app().boards.player.faults.iter().find(|f| f.board == 0 && f.line.is_some()).cloned();
+    let (line, at) = first.and_then(|f| f.line.zip(f.at)).unwrap();
+    let time = w.app().boards.plays()[0].time_of(line).unwrap();
+    w.app().boards.player.go_to(time);
+    w.app().boards.player.show = Some((0, at));
+    w.app().lower.toggle(Tab::Problems);
+    both(&mut w, "editor-faults");
+}
+
+/// A value as a tree, two of its branches open.
+fn data() {
+    let mut w = window(Some(&example("three-strips")));
+    let panels = |w: &Window| {
+        let values = &w.harness.state().model.results.values;
+        let several = values.iter().filter(|(_, tree)| (3..100).contains(&tree.branches().len()));
+        several.max_by_key(|(_, tree)| tree.len()).map(|(output, _)| output.split('.').next().unwrap().to_owned())
+    };
+    let id = panels(&w);
+    choose(&mut w, id.as_deref().unwrap_or("low"));
+    w.app().lower.toggle(Tab::Data);
+    w.settle();
+    both(&mut w, "editor-data");
+}
+
+/// The panels with their addresses, near enough to be read.
+fn addresses() {
+    let mut w = shell();
+    choose(&mut w, "thicken");
+    w.app().model.selection.clear();
+    w.click(w.rect("Addresses").center());
+    w.harness.event(eframe::egui::Event::PointerGone);
+    let parts = &w.app().model.results.drawings["thicken.panels"].parts;
+    let middle = parts[parts.len() / 2].centre;
+    let camera = &mut w.app().viewport.camera;
+    (camera.target, camera.distance, camera.pitch) = (middle, 2400.0, 1.2);
+    both(&mut w, "editor-addresses");
+}
+
+/// The control points of a curve, drawn and as a table.
+fn points() {
+    let mut w = shell();
+    choose(&mut w, "arc");
+    w.double_click(w.rect("input arc.points").center());
+    w.harness.event(eframe::egui::Event::PointerGone);
+    both(&mut w, "editor-points");
+}
+
+/// The first step of the tour.
+fn tour() {
+    let mut w = shell();
+    w.click(w.rect("Help").center());
+    w.click(w.rect("Tour of three steps").center());
+    w.settle();
+    w.harness.event(eframe::egui::Event::PointerGone);
+    both(&mut w, "editor-tour");
 }
 
 /// The examples.

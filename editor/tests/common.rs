@@ -20,6 +20,19 @@ pub const WRONG: &str = r#"{
   }
 }"#;
 
+/// The shell, held to a proof so strict that it fails: tools that go over the edges of parts by no tenth of a millimetre leave
+/// stock standing.
+pub fn faulty_shell() -> PathBuf {
+    let dir = example("shell-256");
+    let file = dir.join("shell-256.tenon.json");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let strict = r#""params": { "leftover": 0.000001, "gouge": 0.000001 }, "type": "prove""#;
+    let strict = text.replace(r#""type": "prove""#, strict);
+    assert_ne!(strict, text);
+    std::fs::write(&file, strict).unwrap();
+    dir
+}
+
 /// The repository.
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()

@@ -1,6 +1,6 @@
 //! The window itself: it never waits, and what it shows besides the graph.
 
-use crate::common::{Window, example, folder, graph};
+use crate::common::{Window, example, faulty_shell, folder, graph};
 use eframe::egui::{Key, Modifiers, Rect, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use std::time::{Duration, Instant};
@@ -68,16 +68,7 @@ fn pieces_are_a_table_that_is_sorted_and_picks_panels() {
 
 #[test]
 fn what_a_proof_has_found_is_marked_on_the_board() {
-    let dir = example("shell-256");
-    let file = dir.join("shell-256.tenon.json");
-    // Tools that go over the edges of parts by no tenth of a millimetre leave stock standing.
-    let text = std::fs::read_to_string(&file).unwrap();
-    let text = text.replace(
-        "\"type\": \"prove\"",
-        "\"params\": { \"leftover\": 0.000001, \"gouge\": 0.000001 },\n      \"type\": \"prove\"",
-    );
-    std::fs::write(&file, text).unwrap();
-    let mut w = Window::open(Some(&dir));
+    let mut w = Window::open(Some(&faulty_shell()));
     w.click(w.rect("Boards").center());
     w.settle();
     let faults = w.app().boards.player.faults.clone();

@@ -273,11 +273,11 @@ pub fn paint_tool(
     let holder = tool.and_then(|t| t.holder.iter().map(|h| h.radius_from.max(h.radius_to)).reduce(f64::max));
     let length = tool.map_or(80.0, |t| t.length);
     let nose = to_screen((now.tip + now.axis * length).truncate());
+    let ink = if struck { theme.error } else { theme.text };
     if let Some(radius) = holder {
-        let fill = theme.text.gamma_multiply(0.12);
-        painter.circle(nose, (radius as f32 * zoom).max(3.0), fill, Stroke::new(1.5, theme.text));
+        painter.circle(nose, (radius as f32 * zoom).max(3.0), ink.gamma_multiply(0.12), Stroke::new(1.5, ink));
     }
-    painter.line_segment([tip, nose], Stroke::new(2.0, theme.text));
+    painter.line_segment([tip, nose], Stroke::new(2.0, ink));
     let radius = tool.map_or(3.0, |t| t.diameter * 0.5);
     let fill = if struck { theme.error } else { kind_colour(step.kind) };
     painter.circle(tip, (radius as f32 * zoom).max(3.0), fill, Stroke::new(1.5, Color32::WHITE));

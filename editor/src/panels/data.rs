@@ -220,7 +220,7 @@ impl DataView {
         let branches = count(tree.branches().len(), "branch", "branches");
         let items = count(seen.rows.count, "item", "items");
         ui.label(format!("{branches}, {items} of {}", tree.type_name()));
-        if let Some(s) = seen.statistics {
+        if let Some(s) = seen.statistics.filter(|s| s.count > 1) {
             ui.label(format!("{} numbers from {} to {}, mean {:.4}", s.count, s.min, s.max, s.mean));
         }
     }

@@ -7,7 +7,7 @@ use crate::model::critical::critical_path;
 use crate::model::play::Play;
 use crate::theme::{self, Theme};
 use crate::viewport::Picked;
-use eframe::egui::{Align2, FontId, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};
+use eframe::egui::{Align2, FontId, Rect, RichText, ScrollArea, Sense, TextWrapMode, Ui, WidgetInfo, WidgetType, vec2};
 use std::time::Duration;
 use tenon_engine::Severity;
 
@@ -105,13 +105,16 @@ fn problems(ui: &mut Ui, model: &Model) -> Option<String> {
     let (theme, mut go) = (Theme::of(ui), None);
     let height = ui.text_style_height(&eframe::egui::TextStyle::Body) + 4.0;
     ScrollArea::vertical().auto_shrink(false).show_rows(ui, height, all.len(), |ui, rows| {
+        // One line each, however long; all of it under the pointer.
+        ui.style_mut().wrap_mode = Some(TextWrapMode::Truncate);
         for d in all.get(rows).unwrap_or(&[]) {
             let colour = match d.severity {
                 Severity::Error => theme.error,
                 Severity::Warning => theme.warning,
                 Severity::Note => theme.faint_text,
             };
-            let row = ui.selectable_label(false, RichText::new(d.to_string()).color(colour));
+            let words = d.to_string();
+            let row = ui.selectable_label(false, RichText::new(&words).color(colour)).on_hover_text(words);
             if row.clicked() {
                 go = d.node.as_deref().map(str::to_owned);
             }
