@@ -480,7 +480,7 @@ impl Viewport {
         let rect = Align2::LEFT_BOTTOM.anchor_size(at, galley.size());
         painter.galley(rect.min, galley, ink);
         // Screen readers read it too.
-        let told = ui.interact(rect.intersect(area), Id::new("picked"), Sense::hover());
+        let told = ui.interact(rect, Id::new("picked"), Sense::hover());
         told.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, &text));
     }
 }
