@@ -270,7 +270,7 @@ fn told(w: &Window) -> String {
 
 /// A figure that stands in what is said, or that an end of the legend shows.
 fn figure(text: &str) -> f64 {
-    text.trim().split(|c: char| c == ' ' || c == '°').next().unwrap().parse().unwrap()
+    text.trim().split([' ', '°']).next().unwrap().parse().unwrap()
 }
 
 #[test]
