@@ -1,6 +1,6 @@
 //! Clusters on the canvas: instances with the ports of their definition, made and taken apart by hand.
 
-use crate::common::{Window, example};
+use crate::common::{Window, example, graph};
 use eframe::egui::{Event, Key, Modifiers, PointerButton, vec2};
 use tenon_engine::Operation;
 
@@ -175,4 +175,48 @@ fn a_linked_cluster_is_looked_into_and_taken_in_by_one_click() {
     w.key(Modifiers::COMMAND, Key::Z);
     w.key(Modifiers::COMMAND, Key::Z);
     assert_eq!(w.app().model.whole().to_string_canonical(), text);
+}
+
+#[test]
+fn a_problem_inside_a_cluster_is_told_with_its_path_and_leads_to_the_instance() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "clusters": {
+    "row": {
+      "interface": { "version": 1, "outputs": { "numbers": { "port": "inner.numbers" } } },
+      "nodes": { "inner": { "type": "series", "v": 1, "params": { "count": -4 } } }
+    }
+  },
+  "nodes": {
+    "far": { "type": "cluster:row", "v": 1 },
+    "near": { "type": "number", "v": 1, "params": { "value": 3 } }
+  }
+}"#;
+    let mut w = Window::open(Some(&graph("inside-wrong", text)));
+    w.click(w.rect_containing(" errors, ").center());
+    w.steps(3);
+    assert!(w.has("problems of far") && !w.has("problems of near"));
+    let row = |w: &Window| w.first_containing("far/inner").center();
+    let at = row(&w);
+    w.click(at);
+    w.steps(3);
+    assert!(w.has("far") && w.has_containing("row, "), "the instance is in the inspector");
+    assert!(w.rect("canvas").contains(w.rect("node far").center()), "and in sight");
+    // Inside, the same line leads to the node.
+    w.hover(w.rect("canvas").center());
+    w.key(Modifiers::NONE, Key::Enter);
+    w.settle();
+    assert!(w.has("Whole graph") && w.has("problems of inner"));
+    let at = row(&w);
+    w.click(at);
+    w.steps(3);
+    assert!(w.has("Whole graph") && w.has("inner"), "the node is in the inspector");
+    // Mended by hand, nothing is told any more.
+    w.double_click(w.rect("input inner.count").center());
+    w.key(Modifiers::COMMAND, Key::A);
+    w.type_text("4");
+    w.key(Modifiers::NONE, Key::Enter);
+    w.settle();
+    assert!(w.has("Nothing is wrong.") && !w.has("problems of inner"));
 }

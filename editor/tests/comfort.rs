@@ -1,7 +1,7 @@
 //! What a user prefers, what is told once, and windows of the desktop.
 
-use crate::common::{Window, folder, graph};
-use eframe::egui::{Key, Modifiers, Theme};
+use crate::common::{Window, folder, graph, misbehaving};
+use eframe::egui::{Key, Modifiers, PointerButton, Theme, vec2};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, mpsc};
@@ -125,24 +125,12 @@ fn where_no_desktop_answers_the_windows_own_browser_does() {
     assert!(w.has("File windows of the desktop"), "the preference says so");
 }
 
-/// A plugin that ends its process by a segmentation fault, compiled here.
-fn misbehaving() -> PathBuf {
-    let sdk = crate::common::root().join("plugin-sdk");
-    let library = folder("misbehaving").join("misbehaving").with_extension(std::env::consts::DLL_EXTENSION);
-    let mut cc = std::process::Command::new("cc");
-    cc.args(["-std=c11", "-shared", "-fPIC", "-pthread", "-DLOADABLE", "-I"]).arg(sdk.join("include"));
-    let done = cc.arg(sdk.join("examples/misbehaving-c/misbehaving.c")).arg("-o").arg(&library).arg("-lm").output();
-    let done = done.unwrap();
-    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-    library
-}
-
 #[cfg(target_os = "linux")]
 #[test]
 fn a_plugin_that_crashes_leaves_the_window() {
     let (mut w, _) = opened("crash");
     w.app().model.host_plugins_by(Some(env!("CARGO_BIN_EXE_tenon-editor").into()));
-    w.app().model.load_plugins(&[misbehaving()], &[]).unwrap();
+    w.app().model.load_plugins(&[misbehaving("crashing")], &[]).unwrap();
     let (id, add) = w.app().model.new_node("misbehaving.doomed", [0.0, 0.0]);
     let set = |x: i32| Operation::SetParam { node: id.clone(), port: "x".into(), value: Some(x.into()) };
     assert!(w.app().model.edit(Operation::All(vec![add, set(101)])));
@@ -155,4 +143,54 @@ fn a_plugin_that_crashes_leaves_the_window() {
     w.settle();
     assert_eq!(w.app().model.results.of_node(&id).count(), 0);
     assert!(w.app().model.results.values.contains_key(&format!("{id}.y")));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_plugin_that_spins_for_ever_holds_no_frame_is_stopped_by_escape_and_its_node_says_so() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "spin": { "type": "misbehaving.doomed", "v": 1, "params": { "x": 103 } },
+    "other": { "type": "number", "v": 1 }
+  }
+}"#;
+    let library = misbehaving("spinning");
+    let mut w = Window::open(Some(&graph("spins", text)));
+    w.app().model.run_plugins_apart(true);
+    w.app().model.host_plugins_by(Some(env!("CARGO_BIN_EXE_tenon-editor").into()));
+    w.drop_file(&library);
+    let until = |w: &mut Window, label: &str| {
+        let start = Instant::now();
+        while !w.has(label) {
+            assert!(start.elapsed() < Duration::from_secs(30), "{label} never comes");
+            std::thread::sleep(Duration::from_millis(5));
+            w.steps(1);
+        }
+    };
+    until(&mut w, "Stop");
+    // Meanwhile the canvas moves under the hand and values are typed.
+    let before = w.rect("node spin");
+    let empty = w.rect("canvas").left_bottom() + vec2(60.0, -60.0);
+    w.drag_with(empty, empty + vec2(40.0, -30.0), PointerButton::Secondary, Modifiers::NONE);
+    assert!(w.rect("node spin").center().distance(before.center() + vec2(40.0, -30.0)) < 1.0);
+    assert!(w.has("Stop"), "it still spins");
+    w.key(Modifiers::NONE, Key::Escape);
+    until(&mut w, "stopped; F5 runs it again");
+    w.picture("plugin-stopped");
+    w.rest(w.rect("node spin").center());
+    assert!(w.has_containing("stopped while it ran"), "the node says so");
+    w.rest(w.rect("node other").center());
+    assert!(!w.has_containing("stopped while it ran"), "and no other");
+    // With a number that it bears it runs as if nothing had been.
+    w.double_click(w.rect("input spin.x").center());
+    w.key(Modifiers::COMMAND, Key::A);
+    w.type_text("6.125");
+    w.key(Modifiers::NONE, Key::Enter);
+    w.settle();
+    w.rest(w.rect("node spin").center());
+    assert!(!w.has_containing("stopped while it ran"));
+    w.rest(w.rect("output spin.y").center());
+    assert!(w.has_containing("6.125"), "it has run");
 }

@@ -1,8 +1,9 @@
 //! The window of a test: opened, driven and drawn.
 
-use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, vec2};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
+use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use tenon_editor::app::App;
@@ -75,6 +76,65 @@ pub fn example(name: &str) -> PathBuf {
     let to = folder(&format!("{name}-{count}"));
     copy(&root().join("graphs").join(name), &to);
     to
+}
+
+/// The shell of `shell-256` with 4 × 4 small panels on one board and no files, changed by `change` before it is written.
+pub fn small_shell(name: &str, change: impl FnOnce(&mut Json)) -> PathBuf {
+    let text = std::fs::read_to_string(root().join("graphs/shell-256/shell-256.tenon.json")).unwrap();
+    let mut whole: Json = serde_json::from_str(&text).unwrap();
+    whole.as_object_mut().unwrap().remove("interface");
+    let nodes = &mut whole["nodes"];
+    nodes.as_object_mut().unwrap().retain(|_, n| !n["type"].as_str().unwrap().starts_with("write"));
+    for curve in ["arc", "folds"] {
+        nodes[curve]["params"]["iterations"] = 2.into();
+    }
+    nodes["arc"]["params"]["points"] = json!([[0, 0, 0], [180, 0, 300], [720, 0, 300], [900, 0, 0]]);
+    nodes["fold_2"]["params"] = json!({ "x": 20, "y": 240 });
+    nodes["fold_3"]["params"] = json!({ "y": 480 });
+    nodes["pack"]["params"] = json!({ "board_x": 1200, "board_y": 800 });
+    change(nodes);
+    graph(name, &whole.to_string())
+}
+
+/// The plugin of misdeeds, compiled here.
+pub fn misbehaving(name: &str) -> PathBuf {
+    let sdk = root().join("plugin-sdk");
+    let library = folder(name).join("misbehaving").with_extension(std::env::consts::DLL_EXTENSION);
+    let mut cc = std::process::Command::new("cc");
+    cc.args(["-std=c11", "-shared", "-fPIC", "-pthread", "-DLOADABLE", "-I"]).arg(sdk.join("include"));
+    let done = cc.arg(sdk.join("examples/misbehaving-c/misbehaving.c")).arg("-o").arg(&library).arg("-lm").output();
+    let done = done.unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    library
+}
+
+/// Red, green and blue of a pixel.
+pub fn rgb(picture: &image::RgbaImage, at: Pos2) -> [i32; 3] {
+    let p = picture.get_pixel(at.x as u32, at.y as u32);
+    [0, 1, 2].map(|k| i32::from(p[k]))
+}
+
+/// All pixels of a part of the window.
+pub fn places(area: Rect) -> impl Iterator<Item = Pos2> {
+    let [x, y] = [area.left() as u32..area.right() as u32, area.top() as u32..area.bottom() as u32];
+    y.flat_map(move |y| x.clone().map(move |x| pos2(x as f32, y as f32)))
+}
+
+/// How many pixels of a part of a picture are as `is` says of red, green and blue.
+pub fn pixels(picture: &image::RgbaImage, area: Rect, is: impl Fn([i32; 3]) -> bool) -> usize {
+    places(area).filter(|at| is(rgb(picture, *at))).count()
+}
+
+/// The middle of all pixels that are as `is` says.
+pub fn middle(picture: &image::RgbaImage, area: Rect, is: impl Fn([i32; 3]) -> bool) -> Option<Pos2> {
+    let all: Vec<Pos2> = places(area).filter(|at| is(rgb(picture, *at))).collect();
+    let sum = all.iter().fold(vec2(0.0, 0.0), |sum, at| sum + at.to_vec2());
+    (!all.is_empty()).then(|| (sum / all.len() as f32).to_pos2())
+}
+
+/// Whether a colour is another one, within what drivers do to it.
+pub fn like(p: [i32; 3], colour: [i32; 3]) -> bool {
+    (0..3).all(|k| (p[k] - colour[k]).abs() <= 6)
 }
 
 /// A file as the desktop lets it fall on a window.

@@ -1,6 +1,6 @@
 //! Opening, saving, and what must not be lost.
 
-use crate::common::{Window, example, folder, graph, root};
+use crate::common::{Window, example, folder, graph, misbehaving, root};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use tenon_engine::Operation;
@@ -149,6 +149,42 @@ fn what_a_missing_plugin_would_bring_is_told_at_the_node() {
     w.drop_file(&path);
     assert!(w.app().model.message.as_ref().unwrap().message.contains("bad."), "{:?}", w.app().model.message);
     assert!(w.app().model.catalog.get("thicken").is_some());
+}
+
+#[test]
+fn a_plugin_is_loaded_by_letting_its_library_fall_on_the_window_and_by_the_menu() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "n": { "type": "number", "v": 1, "params": { "value": 7.25 } },
+    "p": { "type": "misbehaving.trusting", "v": 1, "inputs": { "x": { "from": ["n.value"] } } }
+  }
+}"#;
+    for (by_menu, name) in [(false, "plugin-dropped"), (true, "plugin-by-menu")] {
+        let library = misbehaving(name);
+        let mut w = Window::open(Some(&graph(&format!("{name}-graph"), text)));
+        assert!(w.has("problems of p"), "its type is not known");
+        if by_menu {
+            w.click(w.rect("File").center());
+            w.click(w.rect("Load a plugin …").center());
+            w.steps(2);
+            w.key(Modifiers::COMMAND, Key::A);
+            w.type_text(&library.to_string_lossy());
+            w.key(Modifiers::NONE, Key::Enter);
+        } else {
+            w.drop_file(&library);
+        }
+        w.settle();
+        assert!(!w.has("problems of p"), "{:?}", w.app().model.results.diagnostics);
+        w.rest(w.rect("output p.y").center());
+        assert!(w.has_containing("7.25"), "it has run");
+        // Its nodes are found.
+        w.click(w.rect("Add node").center());
+        w.type_text("takes memory for granted");
+        w.key(Modifiers::NONE, Key::Enter);
+        assert!(w.has("node misbehaving_trusting"), "{:?}", w.app().model.selection);
+    }
 }
 
 /// Shows frames until something is so; at most a minute.

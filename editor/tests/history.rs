@@ -1,7 +1,7 @@
 //! Undo and redo without limit.
 
-use crate::common::Window;
-use eframe::egui::{Key, Modifiers};
+use crate::common::{Window, graph};
+use eframe::egui::{Key, Modifiers, PointerButton, vec2};
 use tenon_engine::Operation;
 
 #[test]
@@ -49,4 +49,51 @@ fn fifty_steps_go_back_and_forward_byte_for_byte() {
     }
     w.settle();
     assert_eq!(w.app().model.results.values["number.value"].len(), 1);
+}
+
+#[test]
+fn fifty_steps_by_hand_go_back_and_forward() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "a": { "type": "number", "v": 1, "params": { "value": 3 } },
+    "p": { "type": "point", "v": 1, "inputs": { "x": { "from": ["a.value"] } } }
+  }
+}"#;
+    let mut w = Window::open(Some(&graph("by-hand", text)));
+    let now = |w: &Window| w.text() + &w.harness.state().model.document().layout_to_string();
+    let mut texts = vec![now(&w)];
+    for i in 0..50 {
+        match i % 5 {
+            0 => {
+                w.double_click(w.rect("input a.value").center());
+                w.key(Modifiers::COMMAND, Key::A);
+                w.type_text(&format!("{}", 10 + i));
+                w.key(Modifiers::NONE, Key::Enter);
+            }
+            1 => {
+                w.click(w.rect("node p").center());
+                w.key(Modifiers::SHIFT, Key::ArrowDown);
+            }
+            2 => w.key(Modifiers::COMMAND, Key::E),
+            3 => w.drag(
+                w.rect("node a").center(),
+                w.rect("node a").center() + vec2(0.0, if i % 2 == 0 { 30.0 } else { -30.0 }),
+            ),
+            _ if i % 2 == 0 => w.drag(w.rect("output a.value").right_center(), w.rect("input p.y").left_center()),
+            _ => {
+                let port = w.rect("input p.y").left_center();
+                w.drag_with(port, port + vec2(-20.0, 120.0), PointerButton::Primary, Modifiers::COMMAND);
+            }
+        }
+        texts.push(now(&w));
+        assert_ne!(texts[i + 1], texts[i], "step {i}");
+    }
+    for (key, all) in [(Key::Z, texts.iter().rev().collect::<Vec<_>>()), (Key::Y, texts.iter().collect())] {
+        for (i, text) in all.into_iter().enumerate().skip(1) {
+            w.key(Modifiers::COMMAND, key);
+            assert_eq!(now(&w), *text, "{key:?} {i}");
+        }
+    }
 }

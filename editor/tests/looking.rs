@@ -1,9 +1,9 @@
 //! Looking around in space by keys, pointer and menus; picking, addresses, colours, sections; points dragged in planes and typed.
 
-use crate::common::{Window, example, folder, graph};
+use crate::common::{Window, example, folder, graph, like, middle, pixels, small_shell};
 use eframe::egui::{Event, Key, Modifiers, MouseWheelUnit, Pos2, TouchPhase, vec2};
 use egui_kittest::kittest::Queryable as _;
-use tenon_editor::viewport::{Clip, Drag, Measure};
+use tenon_editor::viewport::{Clip, Measure};
 
 /// An arc that can be taken by its points, and a point of its own.
 const ARC: &str = r#"{
@@ -90,26 +90,36 @@ fn points_are_dragged_along_axes_in_planes_on_grids_and_typed_as_one_step() {
         w.app().model.undo();
         w.settle();
     }
-    for (plane, still) in [(Drag::XY, 2), (Drag::XZ, 1), (Drag::YZ, 0)] {
-        w.app().viewport.hand.plane = plane;
+    let choose = |w: &mut Window, words: &str| {
+        w.click(w.rect("More").center());
+        w.click(w.rect(words).center());
+        w.key(Modifiers::NONE, Key::Escape);
+    };
+    for (plane, still) in [("XY", 2), ("XZ", 1), ("YZ", 0)] {
+        choose(&mut w, plane);
         let at = w.rect("point c.points 2").center();
         w.drag(at, at + vec2(18.0, -15.0));
         w.settle();
         let now = points(&w);
-        assert_eq!(now[1][still], before[1][still], "{plane:?}");
-        assert!((0..3).filter(|k| *k != still).all(|k| now[1][k] != before[1][k]), "{plane:?}: {now:?}");
+        assert_eq!(now[1][still], before[1][still], "{plane}");
+        assert!((0..3).filter(|k| *k != still).all(|k| now[1][k] != before[1][k]), "{plane}: {now:?}");
         w.app().model.undo();
         w.settle();
     }
-    // On a grid of 25 mm.
-    (w.app().viewport.hand.plane, w.app().viewport.hand.grid) = (Drag::XZ, 25.0);
-    let at = w.rect("point c.points 2").center();
-    w.drag_with(at, at + vec2(20.0, -30.0), eframe::egui::PointerButton::Primary, Modifiers::SHIFT);
-    w.settle();
-    let snapped = points(&w)[1];
-    assert!(snapped != before[1] && snapped.iter().all(|c| c % 25.0 == 0.0), "{snapped:?}");
-    w.app().model.undo();
-    w.settle();
+    // On a grid of 25 mm, and of 40.
+    choose(&mut w, "XZ");
+    for grid in [25.0, 40.0] {
+        w.click(w.rect("More").center());
+        w.fill("grid", &grid.to_string());
+        w.key(Modifiers::NONE, Key::Escape);
+        let at = w.rect("point c.points 2").center();
+        w.drag_with(at, at + vec2(20.0, -30.0), eframe::egui::PointerButton::Primary, Modifiers::SHIFT);
+        w.settle();
+        let snapped = points(&w)[1];
+        assert!(snapped != before[1] && snapped.iter().all(|c| c % grid == 0.0), "{grid}: {snapped:?}");
+        w.app().model.undo();
+        w.settle();
+    }
 
     // Typed: x and z, with Tab from field to field, are one step.
     w.click(w.rect("point p").center());
@@ -251,6 +261,86 @@ fn colours_have_a_range_that_is_typed_and_lists_of_numbers_are_shown() {
     w.double_click(w.rect("legend").center());
     w.steps(2);
     assert_eq!(w.app().viewport.range, None);
+}
+
+/// What is said of what is picked.
+fn told(w: &Window) -> String {
+    w.harness.get_by_label_contains(", panel size ").value().unwrap()
+}
+
+/// A figure that stands in what is said, or that an end of the legend shows.
+fn figure(text: &str) -> f64 {
+    text.trim().split([' ', '°']).next().unwrap().parse().unwrap()
+}
+
+#[test]
+fn a_panel_that_is_clicked_tells_its_address_and_figures_and_its_node_is_selected() {
+    let mut w = Window::open(Some(&small_shell("picked", |_| ())));
+    let area = w.rect("viewport");
+    w.hover(area.center());
+    w.key(Modifiers::NONE, Key::Num7);
+    assert!(!w.has_containing(", panel size "), "nothing is picked");
+    w.click(area.center() + vec2(20.0, 20.0));
+    let words = told(&w);
+    let address = words.strip_prefix("thicken.panels ").and_then(|t| t.split(',').next()).unwrap().to_owned();
+    assert!(area.contains_rect(w.rect_containing(", panel size ")), "all of it is seen");
+    assert!(w.has("thicken") && w.has("Thicken, Panel"), "its node is in the inspector");
+    // It is the part of that address on the boards.
+    w.click(w.rect("Boards").center());
+    w.settle();
+    let (board, picture) = (w.rect("board 1"), w.picture("picked-on-board"));
+    let orange = |p| like(p, [255, 160, 60]);
+    let middle = middle(&picture, board, orange).expect("a part is orange");
+    w.rest(middle);
+    assert!(w.has_containing(&format!("{address}: board 1")), "{address} is the part at {middle}");
+}
+
+#[test]
+fn fold_planarity_and_conicity_are_colours_with_a_legend_and_are_told_of_what_is_picked() {
+    // A sheet of nine squares with one corner moved: the four around it are neither flat nor conical. And the shell, which folds.
+    let sheet = graph(
+        "lifted",
+        r#"{ "format": "tenon", "version": 1, "nodes": { "m": { "type": "read_mesh", "v": 1, "params": { "path": "sheet.obj" } } } }"#,
+    );
+    let corner = |i: i32| match i {
+        5 => "v 130 110 40\n".to_owned(),
+        _ => format!("v {} {} 0\n", i % 4 * 100, i / 4 * 100),
+    };
+    let face = |i: i32| format!("f {} {} {} {}\n", i, i + 1, i + 5, i + 4);
+    let text: String = (0..16).map(corner).chain([1, 2, 3, 5, 6, 7, 9, 10, 11].map(face)).collect();
+    std::fs::write(sheet.with_file_name("sheet.obj"), text).unwrap();
+    let shell = small_shell("folded", |_| ());
+    for (graph, measures, least, most) in [
+        (sheet, &["planarity", "conicity"][..], vec2(60.0, -60.0), vec2(0.0, 0.0)),
+        (shell, &["fold angle"][..], vec2(-20.0, -20.0), vec2(-20.0, -80.0)),
+    ] {
+        let mut w = Window::open(Some(&graph));
+        let area = w.rect("viewport");
+        w.hover(area.center());
+        w.key(Modifiers::NONE, Key::Num7);
+        let mut chosen = "plain";
+        for measure in measures {
+            w.click(w.harness.get_by_value(chosen).rect().center());
+            w.click(w.rect(measure).center());
+            w.settle();
+            chosen = measure;
+            let end = |w: &Window, name: &str| figure(&w.harness.get_by_label(name).value().unwrap());
+            let range = [end(&w, "smallest in colours"), end(&w, "largest in colours")];
+            assert!(w.has("legend") && range[0] < range[1], "{measure}: {range:?}");
+            let picture = w.picture(&format!("measured-{}", measure.replace(' ', "-")));
+            let faces = area.with_max_x(area.right() - 140.0);
+            let blue = pixels(&picture, faces, |[r, g, b]| b > r + 60 && b > g + 40);
+            let red = pixels(&picture, faces, |[r, g, b]| r > g + 80 && r > b + 80);
+            assert!(blue > 2000 && red > 2000, "{measure}: {blue} pixels are blue, {red} red");
+            for (at, is) in [(least, range[0]), (most, range[1])] {
+                w.click(area.center() + at);
+                let words = told(&w);
+                let own = figure(words.split(&format!(", {measure} ")).nth(1).unwrap());
+                assert!((own - is).abs() < 0.15 * (range[1] - range[0]), "{measure}: {own} of {range:?} in {words}");
+            }
+            w.key(Modifiers::NONE, Key::Escape);
+        }
+    }
 }
 
 #[test]

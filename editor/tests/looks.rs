@@ -1,6 +1,6 @@
 //! How nodes and wires look, and what is said of them: previews, folds, badges, tooltips, ports that light up, strands.
 
-use crate::common::{Window, folder, graph};
+use crate::common::{Window, folder, graph, rgb};
 use eframe::egui::{Key, Modifiers, PointerButton, vec2};
 use tenon_editor::canvas::{Strands, strands};
 use tenon_engine::{NodeState, Operation};
@@ -59,6 +59,60 @@ fn wires_are_drawn_by_the_shape_of_what_they_bring() {
     assert_eq!(of("list"), Some(Strands::List));
     assert_eq!(of("tree"), Some(Strands::Tree));
     w.picture("strands");
+}
+
+/// Where a colour stands on the wheel, degrees: the same for its paler and darker shades.
+fn hue(p: [i32; 3]) -> f64 {
+    let [r, g, b] = p.map(f64::from);
+    (3f64.sqrt() * (g - b)).atan2(2.0 * r - g - b).to_degrees()
+}
+
+#[test]
+fn ports_and_wires_have_the_colour_of_their_type_on_both_grounds() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "n": { "type": "number", "v": 1, "params": { "value": 3 } },
+    "p": { "type": "point", "v": 1, "inputs": { "x": { "from": ["n.value"] } } },
+    "c": { "type": "ifs_curve", "v": 1, "inputs": { "points": { "from": ["p.point", "q.point"] } } },
+    "q": { "type": "point", "v": 1, "params": { "x": 900, "z": 300 } },
+    "d": { "type": "ifs_curve", "v": 1, "params": { "points": [[0, 0, 0], [0, 500, 0]] } },
+    "s": { "type": "vector_sum", "v": 1, "inputs": { "a": { "from": ["c.curve"] }, "b": { "from": ["d.curve"] } } },
+    "t": { "type": "thicken", "v": 1, "inputs": { "mesh": { "from": ["s.mesh"] } } },
+    "m": { "type": "map", "v": 1, "inputs": { "panels": { "from": ["t.panels"] } } }
+  }
+}"#;
+    let mut w = Window::sized(Some(&graph("hues", text)), vec2(1920.0, 900.0));
+    for ground in ["Dark", "Light"] {
+        w.click(w.rect("View").center());
+        w.click(w.rect(ground).center());
+        w.key(Modifiers::NONE, Key::Escape);
+        w.settle();
+        let picture = w.picture(&format!("types-{}", ground.to_lowercase()));
+        let mut hues: Vec<f64> = Vec::new();
+        for [from, to] in [
+            ["n.value", "p.x"],
+            ["p.point", "c.points"],
+            ["c.curve", "s.a"],
+            ["s.mesh", "t.mesh"],
+            ["t.panels", "m.panels"],
+        ] {
+            let [a, b] =
+                [w.rect(&format!("output {from}")).right_center(), w.rect(&format!("input {to}")).left_center()];
+            let dot = rgb(&picture, a);
+            assert_eq!(dot, rgb(&picture, b), "{from} and {to} on {ground}");
+            // A wire runs through the middle between its ends, where it is the most colourful.
+            let near = (-3..=3).flat_map(|x| (-3..=3).map(move |y| vec2(x as f32, y as f32)));
+            let colour = |p: &[i32; 3]| p.iter().max().unwrap() - p.iter().min().unwrap();
+            let wire = near.map(|by| rgb(&picture, a.lerp(b, 0.5) + by)).max_by_key(colour).unwrap();
+            let apart = |x: f64, y: f64| ((x - y + 540.0).rem_euclid(360.0) - 180.0).abs();
+            let own = hue(dot);
+            assert!(apart(hue(wire), own) < 14.0, "the wire of {from} is {wire:?}, its port {dot:?} on {ground}");
+            assert!(hues.iter().all(|h| apart(*h, own) > 30.0), "{from} is like another on {ground}: {hues:?}, {own}");
+            hues.push(own);
+        }
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The window itself: it never waits, and what it shows besides the graph.
 
 use crate::common::{Window, example, faulty_shell, folder, graph};
-use eframe::egui::{Key, Modifiers, Rect, vec2};
+use eframe::egui::{Key, Modifiers, PointerButton, Rect, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use std::time::{Duration, Instant};
 use tenon_engine::Diagnostic;
@@ -28,6 +28,13 @@ fn a_slow_node_holds_no_frame_and_escape_stops_it() {
     w.key(Modifiers::COMMAND, Key::D);
     assert!(w.app().model.document().nodes().contains_key("a-2"));
     w.app().model.undo();
+    // The canvas moves under the hand.
+    let before = w.rect("node a");
+    let empty = w.rect("canvas").left_bottom() + vec2(60.0, -60.0);
+    w.drag_with(empty, empty + vec2(40.0, -30.0), PointerButton::Secondary, Modifiers::NONE);
+    let moved = w.rect("node a").center() - before.center();
+    assert!((moved - vec2(40.0, -30.0)).length() < 1.0, "{moved}");
+    assert!(!w.app().model.settled(), "it goes on");
     while !w.app().model.is_running() {
         assert!(start.elapsed() < Duration::from_secs(60), "it never begins");
         w.steps(1);

@@ -286,6 +286,7 @@ impl Paint<'_> {
             (NodeState::Disabled, _) => "off".to_owned(),
             (NodeState::Frozen, _) => "frozen".to_owned(),
             (NodeState::Bypassed, _) => "bypassed".to_owned(),
+            _ if self.model.was_stopped_at(&shape.id) => "stopped".to_owned(),
             (_, Some(r)) => match r.happened {
                 Happened::Failed => "failed".to_owned(),
                 Happened::Blocked => "blocked".to_owned(),

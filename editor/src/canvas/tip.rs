@@ -17,6 +17,9 @@ pub fn node(ui: &mut Ui, model: &Model, shape: &Shape) {
     if let Some(r) = model.results.nodes.get(&*model.path_of(&shape.id)) {
         ui.weak(format!("{} in {}, {}", r.happened.as_str(), theme::duration(r.time), bytes(r.bytes)));
     }
+    if model.was_stopped_at(&shape.id) {
+        ui.weak("stopped while it ran; F5 runs it again");
+    }
     if !model.previews(&shape.id) {
         ui.weak("not shown in the viewport; Ctrl+Q shows it");
     }

@@ -393,6 +393,13 @@ impl Model {
         self.worker.cancel()
     }
 
+    /// Whether the evaluation was stopped at a node of the canvas, or inside it, and was not begun anew.
+    #[must_use]
+    pub fn was_stopped_at(&self, id: &str) -> bool {
+        let at = self.results.stopped_at.as_ref().filter(|_| self.settled());
+        at.and_then(|path| self.local(path)) == Some(id)
+    }
+
     /// Whether a node runs now.
     #[must_use]
     pub fn is_running(&self) -> bool {

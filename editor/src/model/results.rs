@@ -39,6 +39,8 @@ pub struct Results {
     pub shown_in: Duration,
     /// The last evaluation was stopped.
     pub cancelled: bool,
+    /// Path of the node at which it was, if it told.
+    pub stopped_at: Option<Arc<str>>,
     /// Counts what was taken.
     pub count: u64,
     /// Places in `diagnostics` by node, and by every instance that a node stands in.
@@ -58,8 +60,8 @@ impl Results {
 
     fn done(&mut self, done: Done) {
         self.count += 1;
-        self.progress = None;
         self.cancelled = done.report.cancelled;
+        self.stopped_at = self.progress.take().map(|p| p.node).filter(|_| self.cancelled);
         self.revision = done.revision;
         self.stage = Some(done.stage);
         if done.report.cancelled {

@@ -201,10 +201,15 @@ pub fn fields(area: Rect) -> [Rect; 2] {
     [low, high].map(|middle| Rect::from_center_size(middle, vec2(FIELD, 20.0)))
 }
 
+/// Where the legend begins: what stands below it would be hidden.
+pub fn top(area: Rect) -> f32 {
+    bar(area).top() - 24.0
+}
+
 /// What the colours mean; the ends of the range stand beside the bar, to be changed.
 pub fn legend(painter: &Painter, area: Rect, theme: &Theme, m: &Measured) {
     let (bar, [low, high]) = (bar(area), fields(area));
-    let ground = low.union(high).union(bar.translate(vec2(0.0, -20.0))).expand(4.0);
+    let ground = low.union(high).expand(4.0).with_min_y(top(area));
     painter.rect_filled(ground, 4.0, theme.space.gamma_multiply(0.88));
     let steps = 60;
     for i in 0..steps {

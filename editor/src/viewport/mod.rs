@@ -473,7 +473,15 @@ impl Viewport {
         {
             ui.painter_at(area).circle_stroke(at, 8.0, Stroke::new(2.0, Theme::of(ui).selected));
         }
-        let at = egui::pos2(area.left() + 70.0, area.bottom() - 12.0);
-        ui.painter_at(area).text(at, Align2::LEFT_BOTTOM, text, FontId::proportional(13.0), Theme::of(ui).text);
+        let bottom = if self.measured.is_some() { analysis::top(area) } else { area.bottom() - 8.0 };
+        let at = egui::pos2(area.left() + 70.0, bottom - 4.0);
+        let (painter, ink) = (ui.painter_at(area), Theme::of(ui).text);
+        let room = (area.right() - at.x - 8.0).max(1.0);
+        let galley = painter.layout(text.clone(), FontId::proportional(13.0), ink, room);
+        let rect = Align2::LEFT_BOTTOM.anchor_size(at, galley.size());
+        painter.galley(rect.min, galley, ink);
+        // Screen readers read it too.
+        let told = ui.interact(rect, Id::new("picked"), Sense::hover());
+        told.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, &text));
     }
 }
