@@ -311,6 +311,7 @@ fn values_are_tables() {
     w.app().model.selection = ["arc".to_owned()].into();
     w.steps(1);
     w.click(w.rect("Data").center());
+    w.settle();
     assert!(w.has("1 branch, 1 item of curve"));
     w.picture("data");
     w.click(w.first("Profile").center());
