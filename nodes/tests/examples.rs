@@ -25,8 +25,10 @@ fn load(file: &Path) -> Document {
 #[test]
 fn small_graphs_come_to_what_is_expected_of_them() {
     let files = files_in(&graphs().join("nodes"));
+    let told = std::fs::read_to_string(graphs().join("README.md")).unwrap();
     assert!(files.len() >= 14, "{files:?}");
     for file in files {
+        assert!(told.contains(&format!("(nodes/{})", file.file_name().unwrap().display())), "{file:?} is not told of");
         let document = load(&file);
         let name = file.display();
         let options = Options { host: Arc::new(Beside(file.parent().unwrap().to_owned())), ..Options::default() };
