@@ -161,6 +161,17 @@ fn an_example_is_opened_by_its_picture_and_by_a_node_that_it_uses() {
     w.settle();
     assert!(path(&w).ends_with("quad-mesh/quad-mesh.tenon.json"), "{:?}", path(&w));
     assert!(w.app().model.document().nodes().values().any(|n| n.type_name.as_str() == "read_mesh"));
+
+    // Small examples lie many in a folder, so what is opened is a file.
+    let text = r#"{ "format": "tenon", "version": 1, "nodes": { "m": { "type": "cross_reference", "v": 1 } } }"#;
+    let mut w = Window::open(Some(&graph("menu-small-examples", text)));
+    w.click(w.rect("node m").center());
+    w.tap("Examples");
+    w.steps(20);
+    w.tap("Open");
+    w.settle();
+    assert!(path(&w).ends_with("nodes/points.tenon.json"), "{:?}", path(&w));
+    assert!(w.app().model.document().nodes().values().any(|n| n.type_name.as_str() == "cross_reference"));
 }
 
 #[test]

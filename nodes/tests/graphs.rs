@@ -11,7 +11,7 @@ use tenon_geometry::proof::ProofReport;
 use tenon_nodes::value::V;
 
 /// Files beside the graph, or anywhere by absolute path.
-struct Beside(PathBuf);
+pub struct Beside(pub PathBuf);
 
 impl Host for Beside {
     fn read(&self, path: &str) -> io::Result<Arc<[u8]>> {

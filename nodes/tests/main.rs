@@ -4,6 +4,7 @@ mod bad_input;
 mod chain;
 mod common;
 mod corpus;
+mod examples;
 mod expression;
 mod fasteners;
 #[path = "../../fuzz/src/lib.rs"]

@@ -3,7 +3,8 @@
 use crate::root;
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use tenon_engine::Json;
+use std::path::{Path, PathBuf};
+use tenon_engine::{Document, Json};
 
 const PLACE: &str = "docs/nodes.md";
 
@@ -20,8 +21,33 @@ pub fn check() -> Result<(), String> {
     if there == reference() { Ok(()) } else { Err(format!("{PLACE} is not what the registry says: cargo xtask docs")) }
 }
 
+/// By node type the smallest graph that uses it, as a path below `graphs/`.
+fn examples() -> BTreeMap<String, String> {
+    let inside = |folder: &Path| folder.read_dir().into_iter().flatten().flatten().map(|e| e.path());
+    let graphs = root().join("graphs");
+    let is_graph = |p: &PathBuf| p.to_str().is_some_and(|p| p.ends_with(".tenon.json"));
+    let mut all: Vec<(usize, String, Document)> = inside(&graphs)
+        .flat_map(|folder| inside(&folder))
+        .filter(is_graph)
+        .filter_map(|file| {
+            let document = Document::from_slice(&std::fs::read(&file).ok()?).ok()?;
+            let place = file.strip_prefix(&graphs).ok()?.to_string_lossy().replace('\\', "/");
+            Some((document.nodes().len(), place, document))
+        })
+        .collect();
+    all.sort_by(|a, b| (a.0, &a.1).cmp(&(b.0, &b.1)));
+    let mut found = BTreeMap::new();
+    for (_, place, document) in all {
+        for node in document.nodes().values() {
+            found.entry(node.type_name.to_string()).or_insert_with(|| place.clone());
+        }
+    }
+    found
+}
+
 /// The whole page: a table of contents, then every node type by category.
 fn reference() -> String {
+    let examples = examples();
     let registry = tenon_nodes::registry();
     let all: Vec<Json> = registry.iter().map(|n| n.describe()).collect();
     let mut categories: BTreeMap<&str, Vec<&Json>> = BTreeMap::new();
@@ -36,7 +62,7 @@ fn reference() -> String {
     for (category, nodes) in &categories {
         let _ = writeln!(out, "\n## {category}");
         for node in nodes {
-            describe(node, &mut out);
+            describe(node, examples.get(text(node, "type")).map(String::as_str), &mut out);
         }
     }
     out
@@ -46,8 +72,8 @@ fn text<'a>(value: &'a Json, key: &str) -> &'a str {
     value[key].as_str().unwrap_or_default()
 }
 
-fn describe(node: &Json, out: &mut String) {
-    let _ = writeln!(
+fn describe(node: &Json, example: Option<&str>, out: &mut String) {
+    let _ = write!(
         out,
         "\n### `{}`\n\n**{}**, version {}. {}",
         text(node, "type"),
@@ -55,6 +81,10 @@ fn describe(node: &Json, out: &mut String) {
         node["version"],
         text(node, "doc")
     );
+    let _ = match example {
+        Some(file) => writeln!(out, " Example: [{file}](../graphs/{file})."),
+        None => writeln!(out),
+    };
     for (key, title) in [("inputs", "input"), ("outputs", "output")] {
         let ports = node[key].as_array().map_or(&[][..], Vec::as_slice);
         if ports.is_empty() {

@@ -32,6 +32,7 @@ pub struct Gallery {
     found: Option<Vec<(String, PathBuf, Option<TextureHandle>)>>,
 }
 
+/// Every example that has a folder to itself; the small ones of nodes lie together and are offered beside their nodes.
 fn read(ctx: &egui::Context) -> Vec<(String, PathBuf, Option<TextureHandle>)> {
     let entries = examples().and_then(|f| f.read_dir().ok());
     let mut all: Vec<PathBuf> =
@@ -163,5 +164,18 @@ impl App {
                 self.seen_first_steps();
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gallery_shows_the_graphs_that_have_a_folder_to_themselves() {
+        let found = read(&egui::Context::default());
+        let names: Vec<&str> = found.iter().map(|(name, ..)| name.as_str()).collect();
+        assert_eq!(names, ["quad-mesh", "shell-21mm", "shell-256", "three-strips"]);
+        assert!(found.iter().all(|(.., picture)| picture.is_some()));
     }
 }

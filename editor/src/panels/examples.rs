@@ -32,7 +32,7 @@ pub enum Shown {
 /// A node of an example.
 #[derive(Clone, Debug, PartialEq)]
 struct Place {
-    /// The example's folder.
+    /// The example's file.
     path: PathBuf,
     /// The node's id there.
     node: String,
@@ -46,11 +46,25 @@ pub struct Examples {
     found: Option<BTreeMap<String, Vec<Place>>>,
 }
 
+impl Place {
+    /// What the example is called.
+    fn name(&self) -> String {
+        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
+        name.strip_suffix(file::ENDING).unwrap_or(&name).to_owned()
+    }
+}
+
+/// What lies in a folder; nothing if it cannot be read.
+fn inside(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
+    folder.read_dir().into_iter().flatten().flatten().map(|e| e.path())
+}
+
+/// The graphs in the folders of a folder: one by one, or many small ones together.
 fn read(folder: Option<PathBuf>) -> BTreeMap<String, Vec<Place>> {
     let mut found: BTreeMap<String, Vec<Place>> = BTreeMap::new();
-    let entries = folder.and_then(|f| f.read_dir().ok());
-    for path in entries.into_iter().flatten().flatten().map(|e| e.path()).filter(|p| p.is_dir()) {
-        let Some((document, _)) = file::find(&path).ok().and_then(|f| file::load(&f).ok()) else { continue };
+    let is_graph = |p: &PathBuf| p.to_str().is_some_and(|p| p.ends_with(file::ENDING));
+    for path in folder.iter().flat_map(|f| inside(f)).flat_map(|f| inside(&f)).filter(is_graph) {
+        let Ok((document, _)) = file::load(&path) else { continue };
         let nodes = document.nodes().len();
         for (id, node) in document.nodes() {
             let all = found.entry(node.type_name.to_string()).or_default();
@@ -67,7 +81,7 @@ fn read(folder: Option<PathBuf>) -> BTreeMap<String, Vec<Place>> {
 
 /// A node of an example with the nodes that lead directly to it, and what they have from others left out.
 fn piece(place: &Place) -> Option<Document> {
-    let (document, _) = file::load(&file::find(&place.path).ok()?).ok()?;
+    let (document, _) = file::load(&place.path).ok()?;
     let node = document.nodes().get(&place.node)?;
     let sources = node.inputs.values().flat_map(|w| &w.from).filter_map(|f| f.split_once('.')).map(|(id, _)| id);
     let mut ids: Vec<&str> = sources.filter(|id| document.nodes().contains_key(*id)).collect();
@@ -91,7 +105,7 @@ impl Examples {
                 ui.weak("None of the example graphs uses it.");
             }
             for place in all.iter().take(MOST) {
-                let name = place.path.file_name().unwrap_or_default().to_string_lossy();
+                let name = place.name();
                 ui.horizontal(|ui| {
                     ui.label(format!("{} in {name}, {} nodes", place.node, place.nodes));
                     if ui.small_button("Open").on_hover_text(format!("open {name}")).clicked() {
@@ -112,16 +126,32 @@ impl Examples {
 mod tests {
     use super::*;
 
+    fn graphs() -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../graphs")
+    }
+
     #[test]
     fn examples_are_found_by_node_and_give_a_piece_of_themselves() {
-        let graphs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../graphs");
-        let found = read(Some(graphs));
+        let found = read(Some(graphs()));
         let all = &found["thicken"];
-        assert!(all.iter().any(|p| p.path.ends_with("shell-256")), "{all:?}");
         assert!(all.windows(2).all(|w| w[0].nodes <= w[1].nodes));
-        let shell = all.iter().find(|p| p.path.ends_with("shell-256")).unwrap();
+        assert!(all[0].path.ends_with("nodes/joints.tenon.json"), "small ones stand first: {all:?}");
+        let shell = all.iter().find(|p| p.name() == "shell-256").unwrap();
         let piece = piece(shell).unwrap();
         assert!(piece.nodes().contains_key("thicken") && piece.nodes().len() > 1, "{:?}", piece.nodes().keys());
         assert!(read(None).is_empty());
+    }
+
+    #[test]
+    fn every_node_has_an_example_and_a_piece_of_it() {
+        let found = read(Some(graphs()));
+        for node in tenon_nodes::registry().iter() {
+            let name = node.type_name();
+            let place = found.get(name).and_then(|all| all.first()).unwrap_or_else(|| panic!("{name} has no example"));
+            let piece = piece(place).unwrap_or_else(|| panic!("{name}: nothing of {place:?} can be put into a graph"));
+            let there = &piece.nodes()[&place.node];
+            assert_eq!(there.type_name.as_str(), name);
+            assert!(there.inputs.is_empty() || piece.nodes().len() > 1, "{name}: what leads to it comes along");
+        }
     }
 }
