@@ -182,18 +182,15 @@ fn faults() {
     both(&mut w, "editor-faults");
 }
 
-/// A value as a tree, two of its branches open.
+/// A value as a tree, all of its branches open.
 fn data() {
-    let mut w = window(Some(&example("three-strips")));
-    let panels = |w: &Window| {
-        let values = &w.harness.state().model.results.values;
-        let several = values.iter().filter(|(_, tree)| (3..100).contains(&tree.branches().len()));
-        several.max_by_key(|(_, tree)| tree.len()).map(|(output, _)| output.split('.').next().unwrap().to_owned())
-    };
-    let id = panels(&w);
-    choose(&mut w, id.as_deref().unwrap_or("low"));
+    let mut w = window(Some(&example("nodes").join("trees.tenon.json")));
+    choose(&mut w, "wall_and_bay");
     w.app().lower.toggle(Tab::Data);
     w.settle();
+    w.click(w.rect("Tree").center());
+    w.click(w.rect("open all").center());
+    w.harness.event(eframe::egui::Event::PointerGone);
     both(&mut w, "editor-data");
 }
 

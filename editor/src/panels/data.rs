@@ -248,7 +248,7 @@ impl DataView {
                 let Some((path, column)) = tree.branches().get(b) else { continue };
                 let Some(i) = row.checked_sub(1) else {
                     let mark = if folds.open[b] { "−" } else { "+" };
-                    let words = format!("{mark} {path}  {} {}", column.len(), column.type_name());
+                    let words = format!("{mark} {path}  {} × {}", column.len(), column.type_name());
                     if ui.selectable_label(false, RichText::new(words).monospace()).clicked() {
                         toggled = Some(b);
                     }
