@@ -19,9 +19,8 @@
 //   outside are errors of the call, which then has changed nothing.
 // What this contract cannot prevent: reading a result's arrays after it was freed, changing or freeing shared arrays before
 // they are released, and pointers that are neither NULL nor good: lengths that promise more than is there, texts without
-// their NUL, structs whose size says more than they are. Nor memory that runs
-// out, a stack that overflows, and a plugin in this process that crashes: they end the process. tenon_handle_count tells what
-// was never freed.
+// their NUL, structs whose size says more than they are. Nor memory that runs out, a stack that overflows, and a plugin in
+// this process that crashes: they end the process. tenon_handle_count tells what was never freed.
 
 #ifndef TENON_H
 #define TENON_H
@@ -308,8 +307,8 @@ struct tenon_error *tenon_graph_add_node(struct tenon_graph *graph,
 // Removes a node and the wires from it. Fails if there is no such node. [any thread]
 struct tenon_error *tenon_graph_remove_node(struct tenon_graph *graph, const char *id);
 
-// Wires `from` (`node.port`) to the input `port` of `node`, behind the wires that it has. Fails if one of the
-// nodes is not there, `from` is no `node.port` or the wire is there already. What the wire's ends are is not looked at here: evaluation
+// Wires `from` (`node.port`) to the input `port` of `node`, behind the wires that it has. Fails if one of the nodes is not
+// there, `from` is no `node.port` or the wire is there already. What the wire's ends are is not looked at here: evaluation
 // says what does not fit. [any thread]
 struct tenon_error *tenon_graph_connect(struct tenon_graph *graph,
                                         const char *from,
@@ -325,8 +324,7 @@ struct tenon_error *tenon_graph_disconnect(struct tenon_graph *graph,
 // Describes the interface as JSON: a list of objects in order of their names, each with `name`, `ports` (`node.port`), `doc`,
 // `unit`, `type` and `access` ("item", "list", "tree"); inputs besides with `min`, `max`, `choices` (the texts accepted; none:
 // any), `default` and `value` (what is set, as a graph file says it). What the interface does not say is that of the first
-// port behind it. What is not known is null. Fails if `side` is neither of the two. [any
-// thread]
+// port behind it. What is not known is null. Fails if `side` is neither of the two. [any thread]
 struct tenon_error *tenon_graph_interface(const struct tenon_graph *graph,
                                           tenon_side_of_graph side,
                                           struct tenon_text **out);
@@ -353,8 +351,9 @@ struct tenon_error *tenon_graph_start(struct tenon_graph *graph,
                                       struct tenon_job **out);
 
 // Waits for a job, `milliseconds` at most: 0 only looks, UINT64_MAX waits as long as it takes. Writes a result, which the
-// caller frees, or NULL if the job has not ended by then. Every call after its end gives the result again. Fails if the job is none, if its
-// own callback would wait for it, or, with `TENON_INTERNAL`, if the evaluation met a fault of the library. [any thread]
+// caller frees, or NULL if the job has not ended by then. Every call after its end gives the result again. Fails if the
+// job is none, if its own callback would wait for it, or, with `TENON_INTERNAL`, if the evaluation met a fault of the
+// library. [any thread]
 struct tenon_error *tenon_job_wait(const struct tenon_job *job,
                                    uint64_t milliseconds,
                                    struct tenon_result **out);

@@ -277,8 +277,8 @@ pub unsafe extern "C" fn tenon_graph_remove_node(graph: *mut tenon_graph, id: *c
     })
 }
 
-/// Wires `from` (`node.port`) to the input `port` of `node`, behind the wires that it has. Fails if one of the
-/// nodes is not there, `from` is no `node.port` or the wire is there already. What the wire's ends are is not looked at here: evaluation
+/// Wires `from` (`node.port`) to the input `port` of `node`, behind the wires that it has. Fails if one of the nodes is not
+/// there, `from` is no `node.port` or the wire is there already. What the wire's ends are is not looked at here: evaluation
 /// says what does not fit. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_graph_connect(

@@ -17,8 +17,7 @@ pub const TENON_OUTPUTS: tenon_side_of_graph = 1;
 /// Describes the interface as JSON: a list of objects in order of their names, each with `name`, `ports` (`node.port`), `doc`,
 /// `unit`, `type` and `access` ("item", "list", "tree"); inputs besides with `min`, `max`, `choices` (the texts accepted; none:
 /// any), `default` and `value` (what is set, as a graph file says it). What the interface does not say is that of the first
-/// port behind it. What is not known is null. Fails if `side` is neither of the two. [any
-/// thread]
+/// port behind it. What is not known is null. Fails if `side` is neither of the two. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_graph_interface(
     graph: *const tenon_graph,

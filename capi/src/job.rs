@@ -149,9 +149,14 @@ impl Job {
     /// Waits for its turn, evaluates, leaves the turn.
     fn run(&self, listener: &Listener) -> Result<Arc<Evaluated>, Failure> {
         let done = catch_unwind(AssertUnwindSafe(|| self.evaluate(listener)));
+        self.leave();
+        done.map(Arc::new).map_err(|panic| Failure::fault(&*panic))
+    }
+
+    /// Lets the next come forward.
+    fn leave(&self) {
         self.graph.turns.leave(self.turn);
         self.graph.jobs().retain(|job| !std::ptr::eq(&**job, self));
-        done.map(Arc::new).map_err(|panic| Failure::fault(&*panic))
     }
 
     fn evaluate(&self, listener: &Listener) -> Evaluated {
@@ -227,17 +232,16 @@ impl Job {
     }
 }
 
-/// A thread that does the work of a job once it is told to; without one the job is over.
+/// A thread that does the work of a job once it is told to; without one, or when nobody is left to tell it, the job is over.
 fn alone(job: &Arc<Job>, work: impl FnOnce() + Send + 'static) -> Result<mpsc::Sender<()>, Failure> {
     let (go, told) = mpsc::channel();
-    let wait = move || {
-        if told.recv().is_ok() {
-            work();
-        }
+    let of = job.clone();
+    let wait = move || match told.recv() {
+        Ok(()) => work(),
+        Err(_) => of.leave(),
     };
     if let Err(why) = thread(wait) {
-        job.graph.turns.leave(job.turn);
-        job.graph.jobs().retain(|other| !Arc::ptr_eq(other, job));
+        job.leave();
         return Err(Failure::system(format!("the system gives no thread: {why}")));
     }
     Ok(go)
@@ -312,8 +316,9 @@ pub unsafe extern "C" fn tenon_graph_start(
 }
 
 /// Waits for a job, `milliseconds` at most: 0 only looks, UINT64_MAX waits as long as it takes. Writes a result, which the
-/// caller frees, or NULL if the job has not ended by then. Every call after its end gives the result again. Fails if the job is none, if its
-/// own callback would wait for it, or, with `TENON_INTERNAL`, if the evaluation met a fault of the library. [any thread]
+/// caller frees, or NULL if the job has not ended by then. Every call after its end gives the result again. Fails if the
+/// job is none, if its own callback would wait for it, or, with `TENON_INTERNAL`, if the evaluation met a fault of the
+/// library. [any thread]
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tenon_job_wait(
     job: *const tenon_job,
@@ -401,32 +406,61 @@ mod tests {
         pub static NO_THREADS: Cell<bool> = const { Cell::new(false) };
     }
 
-    #[test]
-    fn without_a_thread_there_is_no_job_and_the_graph_goes_on() {
+    /// What `test` does with a graph of no nodes.
+    fn with_graph(test: impl FnOnce(*mut tenon_graph)) {
         let json = br#"{ "format": "tenon", "version": 1, "units": "mm", "nodes": {} }"#;
-        let (mut engine, mut graph, mut job, mut result) = (null_mut(), null_mut(), null_mut(), null_mut());
+        let (mut engine, mut graph) = (null_mut(), null_mut());
         // SAFETY: pointers to places and texts that live through the calls.
         unsafe {
             assert!(tenon_engine_new(null(), &raw mut engine).is_null());
             let (text, length) = (json.as_ptr().cast(), json.len() as u64);
             assert!(tenon_graph_load(engine, text, length, null(), &raw mut graph).is_null());
-            NO_THREADS.set(true);
-            let error = tenon_graph_start(graph, null(), 0, null(), &raw mut job);
-            NO_THREADS.set(false);
-            assert_eq!(tenon_error_status(error), TENON_FAILED);
-            let message = tenon_error_message(error);
-            let message = std::slice::from_raw_parts(message.ptr.cast::<u8>(), message.len as usize);
-            assert!(message.starts_with(b"the system gives no thread"));
-            assert!(job.is_null(), "a handle of no job was written");
-            tenon_error_free(error);
-            // Its turn is over: the next does not wait for it.
-            assert!(tenon_graph_start(graph, null(), 0, null(), &raw mut job).is_null());
-            assert!(tenon_job_wait(job, 60_000, &raw mut result).is_null());
-            assert!(!result.is_null());
         }
-        tenon_result_free(result);
-        tenon_job_free(job);
+        test(graph);
         tenon_graph_free(graph);
         tenon_engine_free(engine);
+    }
+
+    /// Fails if somebody's turn before is not over.
+    fn evaluates(graph: *mut tenon_graph) {
+        let (mut job, mut result) = (null_mut(), null_mut());
+        // SAFETY: pointers to places that live through the calls.
+        unsafe {
+            assert!(tenon_graph_start(graph, null(), 0, null(), &raw mut job).is_null());
+            assert!(tenon_job_wait(job, 60_000, &raw mut result).is_null());
+        }
+        assert!(!result.is_null(), "it waits for the one before");
+        tenon_result_free(result);
+        tenon_job_free(job);
+    }
+
+    #[test]
+    fn without_a_thread_there_is_no_job_and_the_graph_goes_on() {
+        with_graph(|graph| {
+            let mut job = null_mut();
+            // SAFETY: a pointer to a place that lives through the call, and a message that does so until it is freed.
+            unsafe {
+                NO_THREADS.set(true);
+                let error = tenon_graph_start(graph, null(), 0, null(), &raw mut job);
+                NO_THREADS.set(false);
+                assert_eq!(tenon_error_status(error), TENON_FAILED);
+                let message = tenon_error_message(error);
+                let message = std::slice::from_raw_parts(message.ptr.cast::<u8>(), message.len as usize);
+                assert!(message.starts_with(b"the system gives no thread"));
+                assert!(job.is_null(), "a handle of no job was written");
+                tenon_error_free(error);
+            }
+            evaluates(graph);
+        });
+    }
+
+    #[test]
+    fn a_job_that_nobody_is_left_to_begin_leaves_its_turn() {
+        with_graph(|graph| {
+            let job = Job::new(handle::graph(graph).ok().unwrap(), &[]);
+            let go = alone(&job, || panic!("nobody told it to begin")).ok().unwrap();
+            drop(go);
+            evaluates(graph);
+        });
     }
 }

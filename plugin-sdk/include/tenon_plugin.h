@@ -128,10 +128,11 @@ typedef struct tenon_call {
   // returns. `TENON_BAD_ARGUMENT` if it is NULL, short or not UTF-8, which is told as the plugin's fault.
   // [thread of evaluate]
   tenon_status (*tell)(const struct tenon_call *call, const struct tenon_message *message);
-  // Memory of the host for `count` elements, zeroed, which may stand in any array of a value given to `set`: what
-  // begins in a buffer and is as long as it goes over to the host without a copy, and must not be written or given
-  // after that. `valid` alone is copied, so that one may stand in any number of columns and outputs. It is the host's, which frees it, also if it was not given to `set`, after evaluate has returned. NULL: there
-  // is no memory, or no such element. [thread of evaluate]
+  // Memory of the host for `count` elements, zeroed, which may stand in any array of a value given to `set`. An array of
+  // those elements that is the buffer from its first to its last goes over to the host without a copy, and must not be
+  // written or given after that. A part of a buffer is copied, and so is `valid`, so that one may stand in any number of
+  // columns and outputs. It is the host's, which frees it after evaluate has returned, also if it was not given to
+  // `set`. NULL: there is no memory, or no such element. [thread of evaluate]
   void *(*buffer)(const struct tenon_call *call, tenon_element element, uint64_t count);
   // Sets an output. Arrays that are not buffers are copied before it returns. Fails if the output is not there, the
   // type is another than declared, or the value has faults: lengths, indices, texts that are not UTF-8, a buffer given

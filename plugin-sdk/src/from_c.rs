@@ -1,6 +1,9 @@
 //! C values as safe values: pointers, lengths, sizes, types, texts and offsets are checked before anything is read as
-//! what it is said to be. Arrays that begin in a [`Buffers`] and are as long change hands, and are not read again; others
-//! are borrowed.
+//! what it is said to be. Arrays that are a buffer of [`Buffers`] as a whole are given, and are not read again; parts of one,
+//! which may still be written and given, are copied; others are borrowed.
+//!
+//! A buffer that was given lives until the evaluation is over, here or with who keeps it: nothing of the plugin's own can
+//! come to lie where one was given and be refused for it.
 
 use crate::abi::plugin::*;
 use crate::abi::value::*;
@@ -11,12 +14,23 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ffi::c_void;
 use std::ops::Range;
+use std::ptr::NonNull;
 
 type Read<T> = Result<T, BadValue>;
 
 /// A buffer of the host.
 #[derive(Debug)]
-enum Buffer {
+struct Buffer {
+    /// It ends before this address.
+    end: usize,
+    /// It was given, and is not read again.
+    given: bool,
+    memory: Memory,
+}
+
+/// Where a buffer's memory is.
+#[derive(Debug)]
+enum Memory {
     U8(Vec<u8>),
     U32(Vec<u32>),
     I64(Vec<i64>),
@@ -26,8 +40,9 @@ enum Buffer {
     Plane(Vec<tenon_plane>),
     Edge(Vec<tenon_edge>),
     Address(Vec<tenon_address>),
-    /// It changed hands, and may be gone; it ended before this address.
-    Given(usize),
+    /// Somebody else has it until the evaluation is over: who lent it, or to whom it went over. Only one of a value that was
+    /// refused, with which the evaluation has failed, may be gone before.
+    Elsewhere(tenon_element),
 }
 
 /// The buffers of one evaluation by address. Most make none, so the map comes with the first.
@@ -51,10 +66,10 @@ impl Buffers {
                 // Fresh pages of the system are zero: they are not touched here.
                 let mut v = bytemuck::try_zeroed_vec::<$type>(count).ok()?;
                 let at: *mut c_void = v.as_mut_ptr().cast();
-                (at, Buffer::$variant(v))
+                (at, Memory::$variant(v))
             }};
         }
-        let (at, buffer) = match element {
+        let (at, memory) = match element {
             TENON_U8 => make!(U8, u8),
             TENON_U32 => make!(U32, u32),
             TENON_I64 => make!(I64, i64),
@@ -66,16 +81,31 @@ impl Buffers {
             TENON_ADDRESSES => make!(Address, tenon_address),
             _ => return None,
         };
-        let all = self.0.get_or_insert_default();
-        let range = at.addr()..at.addr() + count * usize::try_from(element_size(element)?).ok()?;
-        // What was given and let go may lie there anew.
-        while let Some((&start, Buffer::Given(end))) = all.range(..range.end).next_back()
-            && *end > range.start
-        {
-            all.remove(&start);
-        }
-        all.insert(range.start, buffer);
+        let bytes = count * usize::try_from(element_size(element)?).ok()?;
+        self.add(at.addr()..at.addr() + bytes, memory);
         Some(at)
+    }
+
+    /// Counts memory that somebody else has among the buffers.
+    pub fn lend(&mut self, element: tenon_element, at: NonNull<u8>, bytes: u64) -> *mut c_void {
+        let start = at.addr().get();
+        self.add(start..start.saturating_add(usize::try_from(bytes).unwrap_or(usize::MAX)), Memory::Elsewhere(element));
+        at.as_ptr().cast()
+    }
+
+    fn add(&mut self, range: Range<usize>, memory: Memory) {
+        let all = self.0.get_or_insert_default();
+        // What is gone although it was given may lie there anew; the parts before and behind stay given.
+        while let Some((&start, &Buffer { end, ref memory, .. })) = all.range(..range.end).next_back()
+            && end > range.start
+        {
+            let element = memory.element();
+            all.remove(&start);
+            for part in [start..range.start, range.end..end].into_iter().filter(|part| !part.is_empty()) {
+                all.insert(part.start, Buffer { end: part.end, given: true, memory: Memory::Elsewhere(element) });
+            }
+        }
+        all.insert(range.start, Buffer { end: range.end, given: false, memory });
     }
 }
 
@@ -97,36 +127,67 @@ pub(crate) fn element_size(element: tenon_element) -> Option<u64> {
 
 /// Element types of buffers.
 trait Element: Pod {
-    fn take(buffer: Buffer) -> Result<Vec<Self>, Buffer>;
-    fn keep(v: Vec<Self>) -> Buffer;
+    const ELEMENT: tenon_element;
+    /// What is there goes elsewhere; `None`: it is there already.
+    fn take(memory: &mut Memory) -> Option<Vec<Self>>;
 }
 
 macro_rules! elements {
-    ($($type:ty, $variant:ident;)*) => { $(
-        impl Element for $type {
-            fn take(buffer: Buffer) -> Result<Vec<Self>, Buffer> {
-                match buffer {
-                    Buffer::$variant(v) => Ok(v),
-                    other => Err(other),
+    ($($type:ty, $variant:ident, $element:ident;)*) => {
+        $(
+            impl Element for $type {
+                const ELEMENT: tenon_element = $element;
+                fn take(memory: &mut Memory) -> Option<Vec<Self>> {
+                    let Memory::$variant(v) = memory else { return None };
+                    let v = std::mem::take(v);
+                    *memory = Memory::Elsewhere($element);
+                    Some(v)
                 }
             }
-            fn keep(v: Vec<Self>) -> Buffer {
-                Buffer::$variant(v)
+        )*
+
+        impl Memory {
+            fn element(&self) -> tenon_element {
+                match self {
+                    $(Self::$variant(_) => $element,)*
+                    Self::Elsewhere(element) => *element,
+                }
             }
         }
-    )* };
+    };
 }
 
 elements! {
-    u8, U8; u32, U32; i64, I64; f64, F64; tenon_vec3, Vec3; tenon_vec4, Vec4; tenon_plane, Plane; tenon_edge, Edge;
-    tenon_address, Address;
+    u8, U8, TENON_U8;
+    u32, U32, TENON_U32;
+    i64, I64, TENON_I64;
+    f64, F64, TENON_F64;
+    tenon_vec3, Vec3, TENON_VEC3;
+    tenon_vec4, Vec4, TENON_VEC4;
+    tenon_plane, Plane, TENON_PLANES;
+    tenon_edge, Edge, TENON_EDGE_REFS;
+    tenon_address, Address, TENON_ADDRESSES;
 }
 
 /// Reads what one side gave the other, one value.
 pub(crate) struct Reader<'b> {
     buffers: &'b mut Buffers,
-    /// If there are buffers: the addresses of every array of the value, and whether it changed hands.
-    arrays: Option<Vec<(Range<usize>, bool)>>,
+    /// Buffers that are given go over, to who keeps them; otherwise they are only shown, and stay.
+    over: bool,
+}
+
+/// Bytes of `count` items that lie `stride` bytes apart.
+fn length(count: u64, stride: usize, what: &'static str) -> Read<usize> {
+    let bytes = usize::try_from(count).ok().and_then(|c| c.checked_mul(stride)).filter(|b| *b <= isize::MAX as usize);
+    bytes.ok_or(BadValue::Length { what, found: count, hint: "" })
+}
+
+fn good<T>(ptr: *const T, what: &'static str) -> Read<()> {
+    match ptr.is_aligned() {
+        _ if ptr.is_null() => Err(BadValue::Null(what)),
+        false => Err(BadValue::Misaligned(what)),
+        true => Ok(()),
+    }
 }
 
 /// The slice at `ptr`.
@@ -134,43 +195,12 @@ pub(crate) struct Reader<'b> {
 /// # Safety
 /// `ptr` is NULL or points to `count` items that nobody changes during `'a`.
 unsafe fn slice<'a, T>(ptr: *const T, count: u64, what: &'static str) -> Read<&'a [T]> {
-    let fits =
-        usize::try_from(count).ok().filter(|c| c.checked_mul(size_of::<T>()).is_some_and(|b| b <= isize::MAX as usize));
-    match fits {
-        Some(0) => Ok(&[]),
-        None => Err(BadValue::Length { what, found: count, hint: "" }),
-        Some(_) if ptr.is_null() => Err(BadValue::Null(what)),
-        Some(_) if !ptr.is_aligned() => Err(BadValue::Misaligned(what)),
-        // SAFETY: not NULL, aligned, of possible length; the caller vouches for the rest.
-        Some(count) => Ok(unsafe { std::slice::from_raw_parts(ptr, count) }),
+    if length(count, size_of::<T>(), what)? == 0 {
+        return Ok(&[]);
     }
-}
-
-/// Structs `stride` bytes apart, each as far as the other side's version reaches.
-///
-/// # Safety
-/// As [`slice`], with `stride` bytes per item; any bytes are good for `T`, zeros included.
-unsafe fn structs<T: Copy>(ptr: *const T, count: u64, stride: u64, what: &'static str) -> Read<Vec<T>> {
-    if count == 0 {
-        return Ok(Vec::new());
-    }
-    let stride_ok =
-        stride >= size_of::<T>() as u64 && stride.is_multiple_of(align_of::<T>() as u64) && stride <= 1 << 16;
-    if !stride_ok {
-        return Err(BadValue::Length { what, found: stride, hint: " as the bytes from one to the next" });
-    }
-    if ptr.is_null() {
-        return Err(BadValue::Null(what));
-    }
-    if !ptr.is_aligned() {
-        return Err(BadValue::Misaligned(what));
-    }
-    let count = usize::try_from(count)
-        .ok()
-        .filter(|c| c.checked_mul(stride as usize).is_some_and(|b| b <= isize::MAX as usize));
-    let Some(count) = count else { return Err(BadValue::Length { what, found: u64::MAX, hint: "" }) };
-    // SAFETY: inside what the caller vouches for.
-    Ok((0..count).map(|i| unsafe { *ptr.byte_add(i * stride as usize) }).collect())
+    good(ptr, what)?;
+    // SAFETY: not NULL, aligned, of possible length; the caller vouches for the rest.
+    Ok(unsafe { std::slice::from_raw_parts(ptr, count as usize) })
 }
 
 /// A text.
@@ -198,121 +228,166 @@ fn truths(bytes: Cow<'_, [u8]>) -> Cow<'_, [bool]> {
 // SAFETY of all functions below: the caller vouches that every pointer is NULL or leads to as many items as the struct
 // says, which nobody changes during 'a. What can be seen from here is checked.
 impl<'b> Reader<'b> {
-    pub fn new(buffers: &'b mut Buffers) -> Self {
-        let some = buffers.0.as_ref().is_some_and(|buffers| !buffers.is_empty());
-        Self { buffers, arrays: some.then(Vec::new) }
+    /// With `over` buffers that are given become arrays of the value's own: only for who keeps them until the evaluation is
+    /// over.
+    pub fn new(buffers: &'b mut Buffers, over: bool) -> Self {
+        Self { buffers, over }
     }
 
-    /// What changed hands may be gone when another array is looked at, so no two may share it.
-    fn apart(&mut self) -> Read<()> {
-        let Some(mut arrays) = self.arrays.take() else { return Ok(()) };
-        arrays.sort_unstable_by_key(|(range, _)| range.start);
-        let (mut end, mut taken_end) = (0, 0);
-        for (range, taken) in arrays {
-            if range.start < if taken { end } else { taken_end } {
+    /// The buffer in which an array lies. Whatever is read is looked for here first: nothing is read where a buffer was
+    /// given, which may be gone.
+    fn buffer(&self, at: usize, bytes: usize, what: &'static str, count: u64) -> Read<Option<usize>> {
+        let Some(buffers) = self.buffers.0.as_ref().filter(|_| bytes > 0) else { return Ok(None) };
+        let (end, mut found) = (at.saturating_add(bytes), None);
+        for (start, buffer) in buffers.range(..end).rev().take_while(|(_, buffer)| at < buffer.end) {
+            if buffer.given {
                 return Err(BadValue::Shared);
             }
-            end = end.max(range.end);
-            taken_end = if taken { taken_end.max(range.end) } else { taken_end };
+            if at < *start || buffer.end < end {
+                return Err(BadValue::Length { what, found: count, hint: ": longer than its buffer" });
+            }
+            found = Some(*start);
         }
-        Ok(())
+        Ok(found)
     }
 
-    /// An array, taken over if it is a buffer.
+    /// An array, copied if it lies in a buffer, which may still be written and given.
+    unsafe fn slice<'a, T: Pod>(&self, ptr: *const T, count: u64, what: &'static str) -> Read<Cow<'a, [T]>> {
+        let found = self.buffer(ptr.addr(), length(count, size_of::<T>(), what)?, what, count)?;
+        // SAFETY: see above; it lies in no buffer that is gone.
+        let items = unsafe { slice(ptr, count, what)? };
+        Ok(if found.is_some() { Cow::Owned(items.to_vec()) } else { Cow::Borrowed(items) })
+    }
+
+    /// Structs `stride` bytes apart, each as far as the other side's version reaches. Any bytes are good for `T`, zeros
+    /// included.
+    unsafe fn structs<T: Copy>(&self, ptr: *const T, count: u64, stride: u64, what: &'static str) -> Read<Vec<T>> {
+        if count == 0 {
+            return Ok(Vec::new());
+        }
+        let stride_ok =
+            stride >= size_of::<T>() as u64 && stride.is_multiple_of(align_of::<T>() as u64) && stride <= 1 << 16;
+        if !stride_ok {
+            return Err(BadValue::Length { what, found: stride, hint: " as the bytes from one to the next" });
+        }
+        good(ptr, what)?;
+        self.buffer(ptr.addr(), length(count, stride as usize, what)?, what, count)?;
+        // SAFETY: inside what the caller vouches for.
+        Ok((0..count as usize).map(|i| unsafe { *ptr.byte_add(i * stride as usize) }).collect())
+    }
+
+    /// A struct that begins with its size, if it is at least as large as this version of it. Any bytes are good for `T`.
+    pub unsafe fn sized<T: Copy>(&self, ptr: *const T, what: &'static str, [size, hint]: [&'static str; 2]) -> Read<T> {
+        good(ptr, what)?;
+        self.buffer(ptr.addr(), size_of::<T>(), what, 1)?;
+        // SAFETY: see above; the size comes first.
+        let found = unsafe { *ptr.cast::<u32>() };
+        if (found as usize) < size_of::<T>() {
+            return Err(BadValue::Length { what: size, found: found.into(), hint });
+        }
+        // SAFETY: see above; it is as large as this version of the struct.
+        Ok(unsafe { *ptr })
+    }
+
+    /// A text, copied like arrays.
+    pub unsafe fn text<'a>(&self, t: tenon_str, what: &'static str) -> Read<Cow<'a, str>> {
+        let found = self.buffer(t.ptr.addr(), length(t.len, 1, what)?, what, t.len)?;
+        // SAFETY: see above; it lies in no buffer that is gone.
+        let text = unsafe { text(t, what)? };
+        Ok(if found.is_some() { Cow::Owned(text.to_owned()) } else { Cow::Borrowed(text) })
+    }
+
+    /// An array, given if it is a buffer as a whole.
     unsafe fn array<'a, T: Element>(&mut self, ptr: *const T, count: u64, what: &'static str) -> Read<Cow<'a, [T]>> {
+        let (at, bytes) = (ptr.addr(), length(count, size_of::<T>(), what)?);
+        if self.buffer(at, bytes, what, count)? == Some(at)
+            && let Some(buffer) = self.buffers.0.as_mut().and_then(|buffers| buffers.get_mut(&at))
+            && (buffer.end, buffer.memory.element()) == (at + bytes, T::ELEMENT)
+        {
+            buffer.given = true;
+            return match self.over.then(|| T::take(&mut buffer.memory)).flatten() {
+                Some(v) => Ok(Cow::Owned(v)),
+                // SAFETY: see above; it stays where it is, and nobody changes it any more.
+                None => unsafe { slice(ptr, count, what) }.map(Cow::Borrowed),
+            };
+        }
         // SAFETY: see above.
-        unsafe { self.array_or_buffer(ptr, count, what, true) }
+        unsafe { self.slice(ptr, count, what) }
     }
 
-    /// An array, taken over if it is a buffer and `take`.
-    unsafe fn array_or_buffer<'a, T: Element>(
+    /// Items of a column. One alone stays in its buffer: nobody keeps an array of one item.
+    unsafe fn list<'a, T: Element>(
         &mut self,
-        ptr: *const T,
+        ptr: *const c_void,
         count: u64,
         what: &'static str,
-        take: bool,
     ) -> Read<Cow<'a, [T]>> {
-        let array = match self.buffer(ptr.addr(), count, what, take)? {
-            Some(v) => Cow::Owned(v),
-            // SAFETY: see above; it lies in no buffer that is gone.
-            None => Cow::Borrowed(unsafe { slice(ptr, count, what)? }),
-        };
-        if let Some(arrays) = &mut self.arrays
-            && !array.is_empty()
-        {
-            let range = array.as_ptr_range();
-            arrays.push((range.start.addr()..range.end.addr(), matches!(array, Cow::Owned(_))));
-        }
-        Ok(array)
+        let over = self.over;
+        self.over = over && count != 1;
+        // SAFETY: see above.
+        let items = unsafe { self.array(ptr.cast(), count, what) };
+        self.over = over;
+        items
     }
 
-    /// The buffer that begins at an address, if it is to be taken; what lies in one that was taken is refused.
-    fn buffer<T: Element>(&mut self, at: usize, count: u64, what: &'static str, take: bool) -> Read<Option<Vec<T>>> {
-        let Some(buffers) = self.buffers.0.as_mut().filter(|_| count > 0) else { return Ok(None) };
-        let Some((start, buffer)) = buffers.range_mut(..=at).next_back() else { return Ok(None) };
-        match buffer {
-            Buffer::Given(end) if at < *end => return Err(BadValue::Shared),
-            _ if *start != at => return Ok(None),
-            _ => {}
-        }
-        let mut v = match T::take(std::mem::replace(buffer, Buffer::Given(at))) {
-            Ok(v) => v,
-            Err(other) => {
-                *buffer = other;
-                return Ok(None);
-            }
+    /// Items that are structs. What gaps hold stays in its buffers: nobody keeps it.
+    unsafe fn each<T: Copy, R>(
+        &mut self,
+        c: &tenon_column,
+        valid: Option<&[bool]>,
+        what: &'static str,
+        read: impl Fn(&mut Self, &T) -> Read<R>,
+    ) -> Read<Vec<R>> {
+        // SAFETY: see above.
+        let all = unsafe { self.structs(c.items.cast::<T>(), c.count, c.stride, what)? };
+        let over = self.over;
+        let one = |(i, item): (usize, &T)| {
+            self.over = over && valid.is_none_or(|valid| valid.get(i) == Some(&true));
+            read(self, item)
         };
-        let fits = count <= v.len() as u64;
-        if fits && take {
-            *buffer = Buffer::Given(at + v.len() * size_of::<T>());
-            v.truncate(count as usize);
-            return Ok(Some(v));
-        }
-        *buffer = T::keep(v);
-        if fits { Ok(None) } else { Err(BadValue::Length { what, found: count, hint: ": longer than its buffer" }) }
+        let items = all.iter().enumerate().map(one).collect();
+        self.over = over;
+        items
     }
 
     /// A tree.
     pub unsafe fn tree<'a>(mut self, tree: *const tenon_tree) -> Read<Vec<Branch<'a>>> {
-        if tree.is_null() {
-            return Err(BadValue::Null("tree"));
-        }
-        if !tree.is_aligned() {
-            return Err(BadValue::Misaligned("tree"));
-        }
-        // SAFETY: see above; the size comes first.
-        let size = unsafe { (*tree).size };
-        if (size as usize) < size_of::<tenon_tree>() {
-            return Err(BadValue::Length {
-                what: "tree.size",
-                found: size.into(),
-                hint: "; set it to sizeof(tenon_tree)",
-            });
-        }
-        // SAFETY: see above; it is as large as this version of the struct.
-        let tree = unsafe { *tree };
         // SAFETY: see above.
-        let branches = unsafe { structs(tree.branches, tree.branch_count, tree.branch_stride.into(), "branches")? };
-        let read = branches
+        let tree = unsafe { self.sized(tree, "tree", ["tree.size", "; set it to sizeof(tenon_tree)"])? };
+        // SAFETY: see above.
+        let branches =
+            unsafe { self.structs(tree.branches, tree.branch_count, tree.branch_stride.into(), "branches")? };
+        branches
             .iter()
             .map(|b| {
                 let path = if b.path.is_null() {
                     Cow::Borrowed(&[0][..])
                 } else {
                     // SAFETY: see above.
-                    Cow::Borrowed(unsafe { slice(b.path, b.path_count, "path")? })
+                    unsafe { self.slice(b.path, b.path_count, "path")? }
                 };
                 let c = &b.column;
                 // SAFETY: see above.
-                let (items, valid) = unsafe { (self.items(c)?, self.valid(c)?) };
+                let (items, valid) = unsafe { self.column(c)? };
                 Ok(Branch { path, items, valid })
             })
-            .collect::<Read<Vec<Branch<'a>>>>()?;
-        self.apart()?;
-        Ok(read)
+            .collect()
     }
 
-    unsafe fn items<'a>(&mut self, c: &tenon_column) -> Read<Items<'a>> {
+    /// The items of a column, and which of them are there; `None`: all are.
+    unsafe fn column<'a>(&mut self, c: &tenon_column) -> Read<(Items<'a>, Option<Cow<'a, [bool]>>)> {
+        // SAFETY: see above.
+        unsafe {
+            // Read as a copy, so that one buffer may serve many columns.
+            let valid = match c.valid.is_null() {
+                true => None,
+                false => Some(truths(self.slice(c.valid, c.count, "valid")?)),
+            };
+            Ok((self.items(c, valid.as_deref())?, valid))
+        }
+    }
+
+    unsafe fn items<'a>(&mut self, c: &tenon_column, valid: Option<&[bool]>) -> Read<Items<'a>> {
         let fixed = |size: usize| match c.stride == size as u64 || c.count == 0 {
             true => Ok(()),
             false => {
@@ -325,60 +400,42 @@ impl<'b> Reader<'b> {
                 TENON_NOTHING if c.count == 0 => Items::Opaque { type_name: Cow::Borrowed(""), count: 0 },
                 TENON_BOOLEAN => {
                     fixed(1)?;
-                    Items::Boolean(truths(self.array(c.items.cast(), c.count, "booleans")?))
+                    Items::Boolean(truths(self.list(c.items, c.count, "booleans")?))
                 }
                 TENON_INTEGER => {
                     fixed(8)?;
-                    Items::Integer(self.array(c.items.cast(), c.count, "integers")?)
+                    Items::Integer(self.list(c.items, c.count, "integers")?)
                 }
                 TENON_NUMBER => {
                     fixed(8)?;
-                    Items::Number(self.array(c.items.cast(), c.count, "numbers")?)
+                    Items::Number(self.list(c.items, c.count, "numbers")?)
                 }
                 TENON_POINT | TENON_VECTOR => {
                     fixed(size_of::<tenon_vec3>())?;
-                    let points = self.array(c.items.cast(), c.count, "points")?;
+                    let points = self.list(c.items, c.count, "points")?;
                     if c.kind == TENON_POINT { Items::Point(points) } else { Items::Vector(points) }
                 }
                 TENON_PLANE => {
                     fixed(size_of::<tenon_plane>())?;
-                    Items::Plane(self.array(c.items.cast(), c.count, "planes")?)
+                    Items::Plane(self.list(c.items, c.count, "planes")?)
                 }
                 TENON_TEXT => {
                     fixed(size_of::<tenon_str>())?;
-                    let texts = slice::<tenon_str>(c.items.cast(), c.count, "texts")?;
-                    Items::Text(texts.iter().map(|t| text(*t, "text").map(Cow::Borrowed)).collect::<Read<_>>()?)
+                    let texts = self.structs::<tenon_str>(c.items.cast(), c.count, c.stride, "texts")?;
+                    Items::Text(texts.iter().map(|t| self.text(*t, "text")).collect::<Read<_>>()?)
                 }
-                TENON_CURVE => {
-                    let all = structs::<tenon_curve>(c.items.cast(), c.count, c.stride, "curves")?;
-                    Items::Curve(all.iter().map(|x| self.curve(x)).collect::<Read<_>>()?)
-                }
-                TENON_MESH => {
-                    let all = structs::<tenon_mesh>(c.items.cast(), c.count, c.stride, "meshes")?;
-                    Items::Mesh(all.iter().map(|x| self.mesh(x)).collect::<Read<_>>()?)
-                }
-                TENON_PANELS => {
-                    let all = structs::<tenon_panels>(c.items.cast(), c.count, c.stride, "panel sets")?;
-                    Items::Panels(all.iter().map(|x| self.panels(x)).collect::<Read<_>>()?)
-                }
-                TENON_FEATURES => {
-                    let all = structs::<tenon_features>(c.items.cast(), c.count, c.stride, "feature sets")?;
-                    Items::Features(all.iter().map(|x| self.features(x)).collect::<Read<_>>()?)
-                }
-                TENON_FILE => {
-                    let all = structs::<tenon_file>(c.items.cast(), c.count, c.stride, "files")?;
-                    Items::File(all.iter().map(|x| self.file(x)).collect::<Read<_>>()?)
-                }
-                TENON_TABLE => {
-                    let all = structs::<tenon_table>(c.items.cast(), c.count, c.stride, "tables")?;
-                    Items::Table(all.iter().map(|x| self.table(x)).collect::<Read<_>>()?)
-                }
+                TENON_CURVE => Items::Curve(self.each(c, valid, "curves", |r, x| r.curve(x))?),
+                TENON_MESH => Items::Mesh(self.each(c, valid, "meshes", |r, x| r.mesh(x))?),
+                TENON_PANELS => Items::Panels(self.each(c, valid, "panel sets", |r, x| r.panels(x))?),
+                TENON_FEATURES => Items::Features(self.each(c, valid, "feature sets", |r, x| r.features(x))?),
+                TENON_FILE => Items::File(self.each(c, valid, "files", |r, x| r.file(x))?),
+                TENON_TABLE => Items::Table(self.each(c, valid, "tables", |r, x| r.table(x))?),
                 TENON_EDGES => {
                     fixed(size_of::<tenon_edge_pair>())?;
-                    Items::Edges(Cow::Borrowed(slice(c.items.cast(), c.count, "edges")?))
+                    Items::Edges(self.slice(c.items.cast(), c.count, "edges")?)
                 }
                 TENON_OPAQUE => Items::Opaque {
-                    type_name: Cow::Borrowed(text(c.type_name, "type_name")?),
+                    type_name: self.text(c.type_name, "type_name")?,
                     count: usize::try_from(c.count).unwrap_or(usize::MAX),
                 },
                 other => return Err(BadValue::Unknown { what: "kind", found: other.into() }),
@@ -449,13 +506,14 @@ impl<'b> Reader<'b> {
     unsafe fn features<'a>(&mut self, f: &tenon_features) -> Read<Features<'a>> {
         // SAFETY: see above.
         unsafe {
-            let features = structs(f.features, f.feature_count, f.feature_stride.into(), "features")?;
-            let hardware = slice(f.hardware, f.hardware_count, "hardware")?;
+            let features = self.structs(f.features, f.feature_count, f.feature_stride.into(), "features")?;
+            let stride = size_of::<tenon_hardware>() as u64;
+            let hardware = self.structs(f.hardware, f.hardware_count, stride, "hardware")?;
             Ok(Features {
                 features: features.iter().map(|f| self.feature(f)).collect::<Read<_>>()?,
                 hardware: hardware
                     .iter()
-                    .map(|h| Ok((Cow::Borrowed(text(h.name, "hardware.name")?), h.count)))
+                    .map(|h| Ok((self.text(h.name, "hardware.name")?, h.count)))
                     .collect::<Read<_>>()?,
             })
         }
@@ -463,35 +521,35 @@ impl<'b> Reader<'b> {
 
     unsafe fn feature<'a>(&mut self, f: &tenon_feature) -> Read<Feature<'a>> {
         // SAFETY: see above.
-        let (line, words, purpose) = unsafe {
-            let line: Cow<'a, [tenon_vec3]> = self.array(f.line, f.line_count, "feature.line")?;
-            (line, text::<'a>(f.text, "feature.text")?, text::<'a>(f.purpose, "feature.purpose")?)
-        };
+        let (words, purpose) =
+            unsafe { (self.text(f.text, "feature.text")?, self.text(f.purpose, "feature.purpose")?) };
+        // SAFETY: see above.
+        let line = |r: &mut Self| unsafe { r.array(f.line, f.line_count, "feature.line") };
         let machining = match f.kind {
             TENON_DRILL => Machining::Drill { entry: f.at, axis: f.axis, depth: f.depth, diameter: f.width },
             TENON_SLOT => Machining::Slot { from: f.at, to: f.to, axis: f.axis, width: f.width, depth: f.depth },
-            TENON_POCKET => Machining::Pocket { outline: line, axis: f.axis, depth: f.depth },
-            TENON_CONTOUR => Machining::Contour { line, axis: f.axis },
+            TENON_POCKET => Machining::Pocket { outline: line(self)?, axis: f.axis, depth: f.depth },
+            TENON_CONTOUR => Machining::Contour { line: line(self)?, axis: f.axis },
             TENON_ENGRAVING => Machining::Engraving {
                 origin: f.at,
                 along: f.to,
                 axis: f.axis,
                 height: f.width,
                 depth: f.depth,
-                text: words.into(),
+                text: words,
             },
             other => return Err(BadValue::Unknown { what: "feature.kind", found: other.into() }),
         };
         let some = |i: u32| (i != TENON_NONE).then_some(i);
         let (edge, joint, by_hand) = (some(f.edge), some(f.joint), f.by_hand != 0);
-        let feature = Feature { panel: f.panel, edge, joint, by_hand, purpose: purpose.into(), machining };
+        let feature = Feature { panel: f.panel, edge, joint, by_hand, purpose, machining };
         feature.check()?;
         Ok(feature)
     }
 
     unsafe fn table<'a>(&mut self, t: &tenon_table) -> Read<Table<'a>> {
         // SAFETY: see above.
-        let all = unsafe { structs(t.attributes, t.attribute_count, t.attribute_stride.into(), "attributes")? };
+        let all = unsafe { self.structs(t.attributes, t.attribute_count, t.attribute_stride.into(), "attributes")? };
         let mut attributes = Vec::with_capacity(all.len());
         for a in &all {
             let c = &a.column;
@@ -500,31 +558,22 @@ impl<'b> Reader<'b> {
                 return Err(BadValue::Unknown { what: "attribute of kind", found: c.kind.into() });
             }
             // SAFETY: see above.
-            let (name, items, valid) = unsafe { (text(a.name, "attribute.name")?, self.items(c)?, self.valid(c)?) };
-            attributes.push(Attribute { name: name.into(), items, valid });
+            let (name, (items, valid)) = unsafe { (self.text(a.name, "attribute.name")?, self.column(c)?) };
+            attributes.push(Attribute { name, items, valid });
         }
         let table = Table { rows: usize::try_from(t.row_count).unwrap_or(usize::MAX), attributes };
         table.check()?;
         Ok(table)
     }
 
-    /// Which items of a column are there. A buffer is not taken over, so that one may serve many columns.
-    unsafe fn valid<'a>(&mut self, c: &tenon_column) -> Read<Option<Cow<'a, [bool]>>> {
-        if c.valid.is_null() {
-            return Ok(None);
-        }
-        // SAFETY: see above.
-        unsafe { self.array_or_buffer(c.valid, c.count, "valid", false) }.map(|valid| Some(truths(valid)))
-    }
-
     unsafe fn file<'a>(&mut self, f: &tenon_file) -> Read<File<'a>> {
         // SAFETY: see above.
         unsafe {
-            let withheld = text(f.withheld, "file.withheld")?;
+            let withheld = self.text(f.withheld, "file.withheld")?;
             Ok(File {
-                name: text(f.name, "file.name")?.into(),
+                name: self.text(f.name, "file.name")?,
                 bytes: self.array(f.bytes, f.byte_count, "file.bytes")?,
-                withheld: (!withheld.is_empty()).then_some(withheld.into()),
+                withheld: (!withheld.is_empty()).then_some(withheld),
             })
         }
     }
@@ -539,5 +588,44 @@ impl<'b> Reader<'b> {
 /// Every pointer in it is NULL or leads to as many items as the structs say, which nobody changes during `'a`.
 pub unsafe fn read_tree<'a>(tree: *const tenon_tree) -> Result<Vec<Branch<'a>>, BadValue> {
     // SAFETY: as the caller vouches.
-    unsafe { Reader::new(&mut Buffers::default()).tree(tree) }
+    unsafe { Reader::new(&mut Buffers::default(), false).tree(tree) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_new_buffer_over_part_of_a_given_one_leaves_the_rest_given() {
+        let mut buffers = Buffers::default();
+        let bytes = [0_u8; 100];
+        let at = |range: &Range<usize>| NonNull::from(&bytes[range.start]);
+        let lend = |buffers: &mut Buffers, range: Range<usize>| {
+            buffers.lend(TENON_U8, at(&range), range.len() as u64);
+        };
+        let read = |buffers: &mut Buffers, range: Range<usize>| {
+            // SAFETY: bytes that are there and that nobody changes.
+            let read = unsafe { Reader::new(buffers, true).array(at(&range).as_ptr(), range.len() as u64, "bytes") };
+            read.map(|bytes| bytes.len())
+        };
+        for range in [0..40, 40..60, 60..100] {
+            lend(&mut buffers, range.clone());
+            assert_eq!(read(&mut buffers, range.clone()), Ok(range.len()));
+        }
+        for gone in [0..40, 39..40, 40..60, 59..61, 60..100, 99..100] {
+            assert_eq!(read(&mut buffers, gone.clone()), Err(BadValue::Shared), "{gone:?}");
+        }
+        // Over the end of the first, all of the second and the beginning of the third.
+        lend(&mut buffers, 30..70);
+        for gone in [0..30, 29..30, 70..71, 70..100] {
+            assert_eq!(read(&mut buffers, gone.clone()), Err(BadValue::Shared), "{gone:?}");
+        }
+        for half in [29..31, 69..71, 0..100] {
+            assert!(read(&mut buffers, half.clone()).is_err(), "{half:?}");
+        }
+        for there in [30..31, 69..70, 30..70] {
+            assert_eq!(read(&mut buffers, there.clone()), Ok(there.len()));
+        }
+        assert_eq!(read(&mut buffers, 30..70), Err(BadValue::Shared));
+    }
 }

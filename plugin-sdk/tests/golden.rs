@@ -86,7 +86,9 @@ pub fn measured(headers: &[&str], folders: &[&Path]) -> String {
     }
     program += "return 0; }\n";
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let (source, binary) = (folder.join("layout.c"), folder.join("layout"));
+    // The folder is that of all test programs.
+    let name = format!("layout-{}", headers[0]);
+    let (source, binary) = (folder.join(format!("{name}.c")), folder.join(name));
     std::fs::write(&source, program).unwrap();
     let mut compiler = Command::new("cc");
     for folder in folders {
@@ -195,7 +197,7 @@ fn assertions(layout: &str, header: &str) -> String {
 #[track_caller]
 pub fn same_elsewhere(layout: &str, header: &str, folders: &[&Path], snapshots: &Path) {
     assert_eq!(layout, std::fs::read_to_string(snapshots.join("layout-x86_64-linux.txt")).unwrap());
-    let source = Path::new(env!("CARGO_TARGET_TMPDIR")).join("layout-elsewhere.c");
+    let source = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("layout-elsewhere-{header}.c"));
     std::fs::write(&source, assertions(layout, header)).unwrap();
     let accepts = |compiler: &str, more: &[String]| {
         let mut command = Command::new(compiler);

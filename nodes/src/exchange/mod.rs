@@ -10,5 +10,5 @@ mod take;
 pub use give::branches;
 pub(crate) use give::features;
 pub use preview::{Part, Preview, preview};
-pub(crate) use take::panels;
+pub(crate) use take::{columns, panels};
 pub use take::{lent_tree, tree};

@@ -19,7 +19,12 @@ use tenon_plugin::value as c;
 /// # Errors
 /// Says what the geometry could not work with: curves that are none, normals that are not units.
 pub fn tree(branches: Vec<c::Branch<'_>>) -> Result<Tree, String> {
-    tree_of(branches, &Copies)
+    columns(branches).map(Tree::from_branches)
+}
+
+/// The branches of that tree, those of one path not yet joined.
+pub(crate) fn columns(branches: Vec<c::Branch<'_>>) -> Result<Vec<(Path, Column)>, String> {
+    columns_of(branches, &Copies)
 }
 
 /// The same of arrays that somebody else owns and that stay as they are while `owner` lives. Those of numbers, truth values,
@@ -30,7 +35,7 @@ pub fn tree(branches: Vec<c::Branch<'_>>) -> Result<Tree, String> {
 /// # Errors
 /// As [`tree`].
 pub fn lent_tree(branches: Vec<c::Branch<'static>>, owner: &Owner) -> Result<Tree, String> {
-    tree_of(branches, &Lease(owner))
+    columns_of(branches, &Lease(owner)).map(Tree::from_branches)
 }
 
 /// What becomes of borrowed arrays.
@@ -71,9 +76,9 @@ impl<T> From<Kept<T>> for Shared<T> {
     }
 }
 
-fn tree_of<'a>(branches: Vec<c::Branch<'a>>, keep: &impl Keep<'a>) -> Result<Tree, String> {
-    let all = branches.into_iter().map(|b| Ok((Path::new(b.path.to_vec()), column(b.items, b.valid, keep)?)));
-    Ok(Tree::from_branches(all.collect::<Result<_, String>>()?))
+fn columns_of<'a>(branches: Vec<c::Branch<'a>>, keep: &impl Keep<'a>) -> Result<Vec<(Path, Column)>, String> {
+    let one = |b: c::Branch<'a>| Ok((Path::new(b.path.to_vec()), column(b.items, b.valid, keep)?));
+    branches.into_iter().map(one).collect()
 }
 
 /// Which items are there; `None`: all are.

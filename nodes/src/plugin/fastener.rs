@@ -73,7 +73,7 @@ pub(crate) fn run(c: &mut Call<'_>, node: &PluginNode) -> Result<(), Fail> {
         choices: Vec::new(),
         optional: false,
     }];
-    let mut sink = Collected { outputs: &output, inputs: &trees, values: vec![None], messages: Vec::new() };
+    let mut sink = Collected::new(&output, &trees);
     evaluate(c, node, &inputs, &mut sink)?;
     let given = sink.values.pop().flatten();
     let Some(given) = given.as_ref().and_then(|tree| tree.first::<V<FeatureSet>>()) else {

@@ -118,17 +118,27 @@ pub(super) fn arriving(c: &Call<'_>, info: &PortInfo) -> Result<Tree, Fail> {
 /// Collects what a plugin gives.
 pub(super) struct Collected<'a> {
     /// Kinds of the outputs.
-    pub outputs: &'a [PortInfo],
-    pub inputs: &'a [Tree],
+    outputs: &'a [PortInfo],
+    inputs: &'a [Tree],
     pub values: Vec<Option<Tree>>,
-    pub messages: Vec<Message>,
+    /// All that was set: also what was set again, and what was joined to one branch, lives until the evaluation is over.
+    kept: Vec<Column>,
+    messages: Vec<Message>,
 }
 
 impl Sink for Collected<'_> {
+    fn keeps(&self) -> bool {
+        true
+    }
+
     fn set(&mut self, output: u32, value: Vec<Branch<'_>>) -> Result<(), String> {
         // The plugin's stack lies between this and the engine: nothing may unwind through it.
-        let tree = stop::caught(|| exchange::tree(value)).ok_or("the evaluation was asked to stop")?;
-        self.place(output, tree?)
+        let tree = stop::caught(|| {
+            let branches = exchange::columns(value)?;
+            self.kept.extend(branches.iter().map(|(_, column)| column.clone()));
+            Ok::<_, String>(Tree::from_branches(branches))
+        });
+        self.place(output, tree.ok_or("the evaluation was asked to stop")??)
     }
 
     fn forward(&mut self, output: u32, input: u32) -> Result<(), String> {
@@ -141,7 +151,12 @@ impl Sink for Collected<'_> {
     }
 }
 
-impl Collected<'_> {
+impl<'a> Collected<'a> {
+    /// Nothing yet for outputs of those kinds.
+    pub fn new(outputs: &'a [PortInfo], inputs: &'a [Tree]) -> Self {
+        Self { outputs, inputs, values: vec![None; outputs.len()], kept: Vec::new(), messages: Vec::new() }
+    }
+
     fn place(&mut self, output: u32, tree: Tree) -> Result<(), String> {
         let found = self.outputs.get(output as usize).zip(self.values.get_mut(output as usize));
         let Some((info, place)) = found else { return Err("there is no such output".into()) };
@@ -229,8 +244,7 @@ fn fail(m: Message) -> (u32, Fail) {
 fn run(c: &mut Call<'_>, node: &PluginNode) -> Result<(), Fail> {
     let trees = node.inputs.iter().map(|info| arriving(c, info)).collect::<Result<Vec<Tree>, Fail>>()?;
     let inputs: Vec<Vec<Branch<'_>>> = trees.iter().map(exchange::branches).collect();
-    let values = vec![None; node.outputs.len()];
-    let mut sink = Collected { outputs: &node.outputs, inputs: &trees, values, messages: Vec::new() };
+    let mut sink = Collected::new(&node.outputs, &trees);
     evaluate(c, node, &inputs, &mut sink)?;
     for (info, value) in node.outputs.iter().zip(sink.values) {
         let Some(tree) = value else {
@@ -306,7 +320,7 @@ mod tests {
         let node = NodeType::new("given", 1).output(Port::list::<f64>("values")).run(move |_| {
             flag.store(true, Ordering::Relaxed);
             let (outputs, numbers) = ([output()], vec![1.0; 1 << 20]);
-            let mut sink = Collected { outputs: &outputs, inputs: &[], values: vec![None], messages: Vec::new() };
+            let mut sink = Collected::new(&outputs, &[]);
             let told = sink.set(0, vec![Branch::root(Items::Number(Cow::Borrowed(&numbers)))]);
             seen.store(told.is_err() && sink.values == [None], Ordering::Relaxed);
             Ok(())
@@ -474,5 +488,53 @@ mod tests {
         let heads: Vec<_> = node.inputs().iter().filter(|p| p.name() == "head").collect();
         assert_eq!(heads.len(), 1);
         assert!(fastener(author::Port::number("head")).is_err_and(|e| e.to_string().contains("here.pin.head")));
+    }
+
+    /// Branches of one path are joined to a list of its own.
+    #[test]
+    fn what_was_joined_is_there_until_the_evaluation_is_over() {
+        let (outputs, halves) = ([output()], [vec![1.0; 16], vec![2.0; 16]]);
+        let places = halves.each_ref().map(|half| half.as_ptr());
+        let mut sink = Collected::new(&outputs, &[]);
+        sink.set(0, halves.map(|half| Branch::root(Items::Number(Cow::Owned(half)))).into()).unwrap();
+        assert_eq!(sink.values, [Some(Tree::list([[1.0; 16], [2.0; 16]].concat()))]);
+        let own: Vec<Vec<f64>> = (0..32).map(|i| vec![f64::from(i); 16]).collect();
+        assert!(own.iter().all(|own| !places.contains(&own.as_ptr())));
+    }
+
+    /// What the engine has no use for, a list of one item and what was set before it was set again, is not let go while the
+    /// plugin works: its own memory would come to lie there, and be refused.
+    #[test]
+    fn a_plugins_own_memory_never_lies_where_a_buffer_was() {
+        fn set_own(c: &mut author::Call<'_>, port: &str, count: usize) -> Result<(), author::Fail> {
+            let own: Vec<Vec<f64>> = (0..32).map(|i| vec![f64::from(i); count]).collect();
+            own.iter().try_for_each(|own| c.set_items(port, Items::Number(own.into())))
+        }
+        fn fill(c: &mut author::Call<'_>, port: &str, count: usize) -> Result<(), author::Fail> {
+            c.fill(port, |c| {
+                let numbers = c.buffer::<f64>(count)?;
+                numbers.fill(7.5);
+                Ok(Items::Number((&*numbers).into()))
+            })
+        }
+        let output = |name| author::Port::number(name).list().doc("Numbers.");
+        let node = author::Node::new("here.again", 1).name("Again").doc("Sets its outputs again and again.");
+        let node = node.output(output("first")).output(output("second")).run(|c| {
+            (0..8).try_for_each(|_| fill(c, "first", 1))?;
+            set_own(c, "second", 1)?;
+            (0..8).try_for_each(|_| fill(c, "second", 16))?;
+            set_own(c, "first", 16)
+        });
+        let plugin = Plugin::built_in(author::Plugin::new("here", "1.0.0").node(node)).unwrap();
+        let mut registry = Registry::new();
+        registry.register(node_type(&Arc::new(plugin), 0).unwrap()).unwrap();
+        let mut document = Document::new();
+        document.insert("n", Node::new("here.again")).unwrap();
+        let mut session = Session::new(Arc::new(registry), document, Options::default());
+        let report = session.evaluate(&["n.first", "n.second"], &Control::default());
+        assert_eq!(report.diagnostics, []);
+        for (port, value) in [("n.first", 31.0), ("n.second", 7.5)] {
+            assert_eq!(session.value(port).unwrap(), Tree::column(Column::new(vec![value; 16])));
+        }
     }
 }

@@ -189,6 +189,11 @@ EVALUATE(doomed) {
     while (x == 108 && !call->cancelled(call)) continue;
     if (x == 108) return TENON_CANCELLED;
     while (x == 109) call->progress(call, 0.5);
+    if (x == 110) {
+        /* One buffer for two values. */
+        double *buffer = call->buffer(call, TENON_F64, 1);
+        return give_as(call, TENON_NUMBER, buffer) == TENON_OK ? give_as(call, TENON_NUMBER, buffer) : TENON_OK;
+    }
     return give(call, x);
 }
 /* calls-from-its-own-thread */

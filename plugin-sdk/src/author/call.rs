@@ -89,7 +89,7 @@ pub(super) unsafe extern "C" fn evaluate(
         let mut values = Vec::with_capacity(count as usize);
         for i in 0..count as usize {
             // SAFETY: the host gives as many trees as it says, good until we return.
-            let tree = unsafe { Reader::new(&mut buffers).tree(inputs.add(i)) };
+            let tree = unsafe { Reader::new(&mut buffers, false).tree(inputs.add(i)) };
             values.push(tree.map_err(|e| Fail::new("host-fault", format!("input {}: {e}", node.inputs[i])))?);
         }
         let mut call = Call { raw: call, node, inputs: values };

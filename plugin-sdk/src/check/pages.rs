@@ -31,7 +31,7 @@ mod guarded {
     use super::{Behind, Touched};
     use std::alloc::{Layout, handle_alloc_error};
     use std::ffi::c_void;
-    use std::mem::MaybeUninit;
+    use std::mem::{MaybeUninit, transmute};
     use std::ptr::null_mut;
     use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU32, Ordering};
     use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -63,7 +63,8 @@ mod guarded {
     /// What systems say when memory is touched that must not be: most the first, macOS the second.
     const SIGNALS: [libc::c_int; 2] = [libc::SIGSEGV, libc::SIGBUS];
 
-    /// Read-only memory for one evaluation. While it lives, signals about it are heard; others end the process as ever.
+    /// Read-only memory for one evaluation. While it lives, signals about it are heard; others go to whoever heard them before,
+    /// or end the process if nobody did.
     pub(in super::super) struct Pages {
         behind: Behind,
         page: usize,
@@ -74,7 +75,7 @@ mod guarded {
     }
 
     /// Notes what was touched and lets the plugin go on, so that every node is tried in one process.
-    extern "C" fn touched(signal: libc::c_int, info: *mut libc::siginfo_t, _: *mut c_void) {
+    extern "C" fn touched(signal: libc::c_int, info: *mut libc::siginfo_t, context: *mut c_void) {
         // SAFETY: the system gives the information with the signal.
         let address = unsafe { (*info).si_addr() }.addr();
         let mut at: *const Mapping = NEWEST.load(Ordering::Acquire);
@@ -92,15 +93,42 @@ mod guarded {
             }
             at = mapping.next;
         }
-        // Somebody else's: it is met again when this returns, by whoever handled it before.
         let known = SIGNALS.iter().position(|s| *s == signal);
         let before = known.map_or(null_mut(), |i| BEFORE[i].load(Ordering::Acquire));
-        if before.is_null() {
-            // SAFETY: the system's own handling, by its name.
-            unsafe { libc::signal(signal, libc::SIG_DFL) };
-        } else {
-            // SAFETY: an action that the system gave, which is there as long as the pages are.
-            unsafe { libc::sigaction(signal, before, null_mut()) };
+        // SAFETY: null, or an action that the system gave and that is there as long as the pages are; the rest came with
+        // the signal.
+        unsafe { elsewhere(signal, info, context, before) };
+    }
+
+    /// Somebody else's: whoever handled it before does so now, and the pages stay watched. If nobody did, it is met again
+    /// when this returns, as it was before there were pages.
+    ///
+    /// # Safety
+    /// `before` is null or how the signal was handled before, and the rest what the system gave with it.
+    unsafe fn elsewhere(
+        signal: libc::c_int,
+        info: *mut libc::siginfo_t,
+        context: *mut c_void,
+        before: *const libc::sigaction,
+    ) {
+        // SAFETY: as the caller vouches; an action is the address of a function of the form that its flags say, but for two.
+        unsafe {
+            match before.as_ref() {
+                // The pages come or go at this moment, and with them the handler.
+                None => {}
+                Some(action) if [libc::SIG_DFL, libc::SIG_IGN].contains(&action.sa_sigaction) => {
+                    libc::sigaction(signal, before, null_mut());
+                }
+                Some(action) => {
+                    let handler = std::ptr::with_exposed_provenance::<c_void>(action.sa_sigaction);
+                    if action.sa_flags & libc::SA_SIGINFO == 0 {
+                        transmute::<*const c_void, extern "C" fn(libc::c_int)>(handler)(signal);
+                    } else {
+                        type Told = extern "C" fn(libc::c_int, *mut libc::siginfo_t, *mut c_void);
+                        transmute::<*const c_void, Told>(handler)(signal, info, context);
+                    }
+                }
+            }
         }
     }
 
@@ -322,31 +350,55 @@ mod tests {
         }
     }
 
-    /// A fault elsewhere goes to whoever handled such before.
+    /// A fault elsewhere goes to whoever handled such before, and what is lent is watched afterwards as before.
     #[test]
     fn the_faults_of_others_are_handled_as_before() {
         use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering};
         static ELSEWHERE: AtomicPtr<libc::c_void> = AtomicPtr::new(std::ptr::null_mut());
         static HEARD: AtomicUsize = AtomicUsize::new(0);
+        fn close(protection: libc::c_int) {
+            // SAFETY: a page of this test.
+            unsafe { libc::mprotect(ELSEWHERE.load(Ordering::Relaxed), 1, protection) };
+        }
         extern "C" fn open(_: libc::c_int) {
             HEARD.fetch_add(1, Ordering::Relaxed);
-            // SAFETY: a page of this test.
-            unsafe { libc::mprotect(ELSEWHERE.load(Ordering::Relaxed), 1, libc::PROT_READ | libc::PROT_WRITE) };
+            close(libc::PROT_READ | libc::PROT_WRITE);
+        }
+        extern "C" fn open_told(signal: libc::c_int, info: *mut libc::siginfo_t, context: *mut libc::c_void) {
+            // SAFETY: the system gives the information with the signal.
+            let at = unsafe { (*info).si_addr() };
+            if at == ELSEWHERE.load(Ordering::Relaxed) && !context.is_null() {
+                open(signal);
+            }
         }
         if !alone("the_faults_of_others_are_handled_as_before") {
             return;
         }
-        // SAFETY: a fresh page, and a handler of the form that the system asks for.
+        let told = open_told as extern "C" fn(libc::c_int, *mut libc::siginfo_t, *mut libc::c_void) as usize;
+        let handlers = [(open as extern "C" fn(libc::c_int) as usize, 0), (told, libc::SA_SIGINFO)];
+        // SAFETY: a fresh page, handlers of the form that the flags say, and what is lent; that neither can be written to is
+        // what is tried.
         unsafe {
             let page = libc::mmap(std::ptr::null_mut(), 1, libc::PROT_NONE, libc::MAP_PRIVATE | libc::MAP_ANON, -1, 0);
             assert_ne!(page, libc::MAP_FAILED);
             ELSEWHERE.store(page, Ordering::Relaxed);
-            for signal in [libc::SIGSEGV, libc::SIGBUS] {
-                libc::signal(signal, open as extern "C" fn(libc::c_int) as usize);
+            for (handler, flags) in handlers {
+                HEARD.store(0, Ordering::Relaxed);
+                for signal in [libc::SIGSEGV, libc::SIGBUS] {
+                    let mut action: libc::sigaction = std::mem::zeroed();
+                    (action.sa_sigaction, action.sa_flags) = (handler, flags);
+                    libc::sigaction(signal, &raw const action, std::ptr::null_mut());
+                }
+                let mut pages = Pages::new(Behind::Zeros);
+                let lent = lend(&mut pages, &[1, 2, 3]).cast_mut();
+                for times in 1..3 {
+                    close(libc::PROT_NONE);
+                    page.cast::<u8>().write_volatile(1);
+                    assert_eq!((HEARD.load(Ordering::Relaxed), pages.touched()), (times, Touched::default()));
+                }
+                lent.write_volatile(1);
+                assert_eq!((HEARD.load(Ordering::Relaxed), pages.touched().written), (2, true));
             }
-            let pages = Pages::new(Behind::Zeros);
-            page.cast::<u8>().write_volatile(1);
-            assert_eq!((HEARD.load(Ordering::Relaxed), pages.touched()), (1, Touched::default()));
         }
     }
 

@@ -4,10 +4,11 @@ use super::slot::Slot;
 use super::{Body, PluginNode};
 use crate::abi::plugin::*;
 use crate::abi::value::*;
-use crate::from_c::{Buffers, Reader, element_size, text};
+use crate::from_c::{Buffers, Reader, element_size};
 use crate::sound::BadValue;
 use crate::to_c::CTree;
 use crate::value::Branch;
+use std::borrow::Cow;
 use std::cell::UnsafeCell;
 use std::ffi::c_void;
 use std::ptr::NonNull;
@@ -32,6 +33,12 @@ pub struct Message {
 
 /// What the caller of a node does with what comes.
 pub trait Sink {
+    /// Whether arrays that come to it to keep, with a value that it accepts, live until the evaluation is over, but for
+    /// columns of one item and what stands in gaps. Only then do buffers go over to it without a copy; otherwise it is shown
+    /// them.
+    fn keeps(&self) -> bool {
+        false
+    }
     /// Takes the value of an output.
     ///
     /// # Errors
@@ -55,7 +62,8 @@ pub struct Watch<'a> {
     pub progress: &'a (dyn Fn(f64) + Sync),
     /// The buffer that is refused as if there were no memory, from 0; for tests of plugins.
     pub refuse_buffer: Option<u64>,
-    /// Where buffers are made, by their bytes, zeroed and aligned to 8; none: they are the host's own.
+    /// Where buffers are made, by their bytes, zeroed and aligned to 8, to stay until the evaluation is over; none: they are
+    /// the host's own.
     pub room: Option<&'a dyn Fn(u64) -> Option<NonNull<u8>>>,
 }
 
@@ -139,7 +147,7 @@ unsafe extern "C" fn tell(call: *const tenon_call, message: *const tenon_message
     let slot = unsafe { Slot::of(call) };
     own(slot, TENON_BAD_ARGUMENT, |_, r| {
         // SAFETY: the contract: NULL or a message.
-        match unsafe { read_message(message) } {
+        match unsafe { read_message(&Reader::new(&mut r.buffers, false), message) } {
             Ok(message) => {
                 r.sink.tell(message);
                 TENON_OK
@@ -154,38 +162,23 @@ unsafe extern "C" fn tell(call: *const tenon_call, message: *const tenon_message
 
 /// # Safety
 /// It is NULL or a message as the contract says.
-unsafe fn read_message(message: *const tenon_message) -> Result<Message, BadValue> {
-    if message.is_null() {
-        return Err(BadValue::Null("message"));
-    }
-    if !message.is_aligned() {
-        return Err(BadValue::Misaligned("message"));
-    }
-    // SAFETY: the size comes first.
-    let size = unsafe { (*message).size };
-    if (size as usize) < size_of::<tenon_message>() {
-        return Err(BadValue::Length {
-            what: "message.size",
-            found: size.into(),
-            hint: "; set it to sizeof(tenon_message)",
-        });
-    }
-    // SAFETY: it is as large as this version of the struct.
-    let m = unsafe { *message };
+unsafe fn read_message(reader: &Reader<'_>, message: *const tenon_message) -> Result<Message, BadValue> {
     // SAFETY: as the caller vouches.
-    let [code, words, hint, port] = unsafe {
-        [
-            text(m.code, "message.code")?,
-            text(m.message, "message.message")?,
-            text(m.hint, "message.hint")?,
-            text(m.port, "message.port")?,
-        ]
+    let (m, [code, words, hint, port]) = unsafe {
+        let m = reader.sized(message, "message", ["message.size", "; set it to sizeof(tenon_message)"])?;
+        let texts = [
+            reader.text(m.code, "message.code")?,
+            reader.text(m.message, "message.message")?,
+            reader.text(m.hint, "message.hint")?,
+            reader.text(m.port, "message.port")?,
+        ];
+        (m, texts)
     };
-    let some = |t: &str| (!t.is_empty()).then(|| t.to_owned());
+    let some = |t: Cow<'_, str>| (!t.is_empty()).then(|| t.into_owned());
     Ok(Message {
         severity: m.severity.min(TENON_ERROR),
-        code: if code.is_empty() { "plugin" } else { code }.to_owned(),
-        message: words.to_owned(),
+        code: some(code).unwrap_or_else(|| "plugin".to_owned()),
+        message: words.into_owned(),
         hint: some(hint),
         port: some(port),
         item: usize::try_from(m.item).ok().filter(|i| *i != usize::MAX),
@@ -201,7 +194,8 @@ unsafe extern "C" fn buffer(call: *const tenon_call, element: tenon_element, cou
             _ if watch.refuse_buffer == Some(r.asked - 1) => std::ptr::null_mut(),
             Some(room) => {
                 let bytes = element_size(element).and_then(|size| size.checked_mul(count.max(1)));
-                bytes.and_then(room).map_or(std::ptr::null_mut(), |place| place.as_ptr().cast())
+                let place = bytes.and_then(|bytes| Some((room(bytes)?, bytes)));
+                place.map_or(std::ptr::null_mut(), |(place, bytes)| r.buffers.lend(element, place, bytes))
             }
             None => r.buffers.make(element, count),
         }
@@ -212,7 +206,7 @@ unsafe extern "C" fn set(call: *const tenon_call, output: u32, value: *const ten
     // SAFETY: the plugin hands back what it was given.
     let slot = unsafe { Slot::of(call) };
     own(slot, TENON_BAD_ARGUMENT, |_, r| {
-        let reader = Reader::new(&mut r.buffers);
+        let reader = Reader::new(&mut r.buffers, r.sink.keeps());
         // SAFETY: the contract: NULL or a value whose pointers are good until we return.
         let read = unsafe { reader.tree(value) }.map_err(|e| e.to_string());
         match read.and_then(|branches| r.sink.set(output, branches)) {

@@ -83,6 +83,9 @@ struct Kept {
 }
 
 impl Sink for Kept {
+    fn keeps(&self) -> bool {
+        true
+    }
     fn set(&mut self, _: u32, mut value: Vec<Branch<'_>>) -> Result<(), String> {
         match value.pop().map(|b| b.items) {
             Some(Items::Number(v)) => self.number = v.first().copied().unwrap_or(f64::NAN),
