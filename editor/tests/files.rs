@@ -228,6 +228,51 @@ fn work_that_was_not_saved_is_found_again() {
 }
 
 #[test]
+fn work_that_was_left_behind_stays_until_the_question_is_answered() {
+    let (path, other) = (graph("asked", SMALL), graph("asked-other", SMALL));
+    let kept = path.with_file_name(".graph.tenon.json.unsaved");
+    std::fs::write(&kept, SMALL.replace("\"value\": 3", "\"value\": 7")).unwrap();
+    let mut w = Window::open(Some(&path));
+    assert!(w.has("Recover it"));
+    for key in [Key::S, Key::N, Key::O, Key::A] {
+        w.key(Modifiers::COMMAND, key);
+    }
+    w.key(Modifiers::NONE, Key::Delete);
+    w.drop_file(&other);
+    w.steps(3);
+    assert!(kept.exists() && w.has("Recover it") && w.param("a", "value") == "3");
+    assert_eq!(w.app().model.message.as_ref().unwrap().code, "question-open");
+    w.click(w.rect("Recover it").center());
+    assert_eq!(w.param("a", "value"), "7");
+}
+
+#[test]
+fn work_that_cannot_be_read_is_put_aside_and_what_follows_is_kept() {
+    let path = graph("torn", SMALL);
+    let kept = path.with_file_name(".graph.tenon.json.unsaved");
+    std::fs::write(&kept, "{ \"format\": \"tenon\", \"nodes\": {").unwrap();
+    let mut w = Window::open(Some(&path));
+    w.click(w.rect("Recover it").center());
+    let aside = path.with_file_name(".graph.tenon.json.unsaved-1");
+    let told = w.app().model.message.clone().unwrap();
+    assert!(aside.exists() && told.hint.as_ref().unwrap().contains("unsaved-1"), "{told:?}");
+    let set = Operation::SetParam { node: "a".into(), port: "value".into(), value: Some(9.into()) };
+    assert!(w.app().model.edit(set));
+    until(&mut w, |_| std::fs::read_to_string(&kept).is_ok_and(|text| text.contains("\"value\": 9")));
+}
+
+#[test]
+fn a_file_that_another_program_has_broken_is_told() {
+    let path = graph("broken-elsewhere", SMALL);
+    let mut w = Window::open(Some(&path));
+    std::fs::write(&path, format!("<<<<<<< HEAD\n{SMALL}")).unwrap();
+    until(&mut w, |w| w.app().model.message.as_ref().is_some_and(|m| m.code == "changed-elsewhere"));
+    let told = w.app().model.message.clone().unwrap();
+    assert!(told.message.contains("is no graph") && told.hint.as_ref().unwrap().contains("line 1"), "{told:?}");
+    assert_eq!((w.param("a", "value"), w.app().model.steps()), ("3".to_owned(), (0, 0)));
+}
+
+#[test]
 fn a_change_by_another_program_is_a_step_that_can_be_undone() {
     let path = graph("elsewhere", SMALL);
     let mut w = Window::open(Some(&path));

@@ -58,6 +58,14 @@ fn keys_open_the_finder_rename_and_go_through_what_is_found() {
     w.type_text("corner");
     w.key(Modifiers::NONE, Key::Enter);
     assert_eq!(selected(&w), ["corner"]);
+    // With the pointer elsewhere it comes into the middle of the canvas.
+    w.hover(w.rect("File").center());
+    w.key(Modifiers::NONE, Key::F4);
+    w.type_text("reroute");
+    w.key(Modifiers::NONE, Key::Enter);
+    let (new, canvas) = (w.rect("node reroute"), w.rect("canvas"));
+    assert!((new.center() - canvas.center()).length() < 60.0, "{new:?} in {canvas:?}");
+    w.key(Modifiers::NONE, Key::Delete);
     // What is found is clicked, too.
     w.hover(empty(&w) + vec2(0.0, -100.0));
     w.key(Modifiers::COMMAND, Key::Space);
@@ -72,6 +80,7 @@ fn a_node_of_the_graph_is_found_by_name_type_text_and_remark() {
     let text = CHAIN.replace(
         r#""q": { "type": "point", "v": 1 }"#,
         r#""q": { "type": "point", "v": 1, "note": "the apex" },
+    "said": { "type": "text", "v": 1, "params": { "value": "larch" } },
     "words": { "type": "note", "v": 1, "params": { "text": "Begin here." } }"#,
     );
     let mut w = Window::open(Some(&graph("search", &text)));
@@ -91,6 +100,7 @@ fn a_node_of_the_graph_is_found_by_name_type_text_and_remark() {
     assert_eq!(find("Point"), ["p"], "the first of a type");
     assert_eq!(find("APEX"), ["q"]);
     assert_eq!(find("begin"), ["words"]);
+    assert_eq!(find("larch"), ["said"]);
     // The second of two by the arrow; and Escape leaves everything as it was.
     w.key(Modifiers::NONE, Key::F3);
     w.type_text("point");

@@ -6,6 +6,7 @@ mod clusters;
 mod comfort;
 mod common;
 mod files;
+mod held;
 mod history;
 mod keys;
 mod leaving;

@@ -106,12 +106,11 @@ fn the_interface_is_made_by_hand_and_taken_back() {
     assert!(w.app().model.document().outputs.contains_key("corner"));
     assert_eq!(slider(&w, "p"), Some((0.0, -5.0, 40.0)), "its ends make a slider of it");
     // It slides by its step from the smallest value on, here and on the canvas.
-    w.app().model.begin();
     let row = w.rect("input p.y");
     w.drag(row.center(), row.center() + vec2(row.width() * 0.13, 0.0));
     let slid: f64 = w.param("p", "y").parse().unwrap();
     assert!(slid != 0.0 && (slid + 5.0) % 2.5 == 0.0, "{slid}");
-    w.app().model.abort();
+    w.key(Modifiers::COMMAND, Key::Z);
     assert_eq!(w.param("p", "y"), "");
     w.fill("step of height", "0");
     assert!(w.app().model.message.is_some(), "nothing slides by 0");

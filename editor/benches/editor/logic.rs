@@ -1,13 +1,14 @@
 //! What the window's own code costs, without drawing: all of a frame's code and the triangles that it comes to.
 
-use crate::{fill, median, open, print, settle, shell};
+use crate::{fill, open, print, print_times, settle, shell};
 use eframe::egui::Context;
 use egui_kittest::Harness;
 use serde_json::json;
 use std::time::{Duration, Instant};
 use tenon_editor::app::App;
 use tenon_editor::model::Model;
-use tenon_engine::Operation;
+use tenon_editor::panels::Tab;
+use tenon_engine::{Node, Operation};
 
 /// One frame: all of the window's code, and the triangles that it comes to.
 pub fn frame(harness: &mut Harness<'static, App>) -> Duration {
@@ -30,14 +31,23 @@ fn frames(count: usize) {
     let mut harness = open(None);
     fill(&mut harness, count);
     let times = (0..60).map(|_| frame(&mut harness)).collect();
-    print("frame, logic", count, median(times), "ms", Some(target(count)));
+    print_times("frame, logic", count, times, Some(target(count)));
+    // The same with the panels below the canvas.
+    for (tab, case) in [(Tab::Problems, "frame with problems"), (Tab::Profile, "frame with the profile")] {
+        harness.state_mut().lower.tab = Some(tab);
+        harness.run_steps(3);
+        let times = (0..30).map(|_| frame(&mut harness)).collect();
+        print_times(case, count, times, Some(target(count)));
+    }
+    harness.state_mut().lower.tab = None;
+    harness.run_steps(3);
     let times = (0..30).map(|i| {
         let value = Some(f64::from(i).into());
         let set = Operation::SetParam { node: "p0".into(), port: "value".into(), value };
         harness.state_mut().model.apply(set).expect("a number takes a number");
         frame(&mut harness)
     });
-    print("frame while sliding, logic", count, median(times.collect()), "ms", Some(target(count)));
+    print_times("frame while sliding, logic", count, times.collect(), Some(target(count)));
 }
 
 /// From a moved control point to panels that can be drawn: without any window, since frames wait for no evaluation.
@@ -63,7 +73,20 @@ fn drag() {
             times.push(start.elapsed());
         }
     }
-    print("drag of a control point, logic", 256, median(times), "ms", Some(60.0));
+    print_times("drag of a control point, logic", 256, times, Some(60.0));
+}
+
+/// A million rows, as a table.
+fn rows() {
+    let mut harness = open(None);
+    let series = Node::new("series").param("count", 1_000_000);
+    let add = Operation::AddNode { id: "s".into(), node: Box::new(series) };
+    harness.state_mut().model.apply(add).expect("it is the first node");
+    harness.state_mut().model.selection = ["s".to_owned()].into();
+    harness.state_mut().lower.tab = Some(Tab::Data);
+    settle(&mut harness);
+    let times = (0..30).map(|_| frame(&mut harness)).collect();
+    print_times("frame with a table of data", 1_000_000, times, Some(16.0));
 }
 
 /// Memory of this process, MB.
@@ -85,5 +108,6 @@ pub fn figures() {
     drop(harness);
     frames(200);
     frames(2000);
+    rows();
     drag();
 }

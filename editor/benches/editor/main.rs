@@ -25,6 +25,17 @@ fn print(case: &str, size: usize, ours: f64, unit: &str, target: Option<f64>) {
     println!("{line}");
 }
 
+/// Prints the median of some times, and the worst.
+fn print_times(case: &str, size: usize, times: Vec<Duration>, target: Option<f64>) {
+    let ms = |t: Duration| (t.as_secs_f64() * 1e6).round() / 1e3;
+    let worst = times.iter().max().map(|t| ms(*t));
+    let ours = (median(times) * 1e3).round() / 1e3;
+    let line = json!({
+        "suite": "editor", "case": case, "size": size, "ours": ours, "worst": worst, "unit": "ms", "target": target
+    });
+    println!("{line}");
+}
+
 fn median(mut times: Vec<Duration>) -> f64 {
     times.sort();
     times.get(times.len() / 2).map_or(f64::NAN, |t| t.as_secs_f64() * 1e3)

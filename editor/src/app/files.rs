@@ -61,7 +61,10 @@ impl App {
         self.leaving = None;
         self.model.forget_kept();
         match to {
-            Leave::Quit => ui.ctx().send_viewport_cmd(ViewportCommand::Close),
+            Leave::Quit => {
+                self.quits = true;
+                ui.ctx().send_viewport_cmd(ViewportCommand::Close);
+            }
             Leave::New => {
                 self.model.clear();
                 self.opened();
@@ -92,6 +95,11 @@ impl App {
                 self.chosen(ui, what, &path);
             }
         }
+    }
+
+    /// Whether a question about unsaved work waits for its answer; until then nothing else is done.
+    pub(super) fn asks(&self) -> bool {
+        self.found || self.leaving.is_some()
     }
 
     fn ask(&mut self, ui: &Ui) {
@@ -137,7 +145,7 @@ impl App {
             None => return,
             Some(true) => match self.model.recover() {
                 Ok(()) => self.model.forget_kept(),
-                Err(e) => self.model.message = Some(e),
+                Err(e) => self.model.message = Some(self.model.put_aside(e)),
             },
             Some(false) => self.model.forget_kept(),
         }
@@ -203,11 +211,18 @@ impl App {
     pub(super) fn files(&mut self, ui: &Ui) {
         if self.found {
             self.ask_for_found(ui);
-        } else if let Some(soon) = self.model.keep() {
+        } else if !self.quits
+            && let Some(soon) = self.model.keep()
+        {
             ui.ctx().request_repaint_after(soon);
         }
         for path in ui.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect::<Vec<_>>()) {
-            self.dropped(ui, &path);
+            if self.asks() {
+                let refused = Diagnostic::error("question-open", format!("{} was not taken", path.display()));
+                self.model.message = Some(refused.hint("answer the question first"));
+            } else {
+                self.dropped(ui, &path);
+            }
         }
         if let Some(what) = self.model.wanted_file.take() {
             self.browse(ui.ctx(), Browse::Input { node: what.0, port: what.1 });
@@ -227,7 +242,8 @@ impl App {
             }
         }
         self.ask(ui);
-        if ui.input(|i| i.viewport().close_requested()) && self.leaving != Some(Leave::Quit) && self.model.unsaved() {
+        let closes = ui.input(|i| i.viewport().close_requested()) && !self.quits;
+        if closes && self.leaving != Some(Leave::Quit) && self.model.unsaved() {
             ui.ctx().send_viewport_cmd(ViewportCommand::CancelClose);
             self.leaving = Some(Leave::Quit);
         }

@@ -41,6 +41,9 @@ pub(super) const BESIDE: [(Key, Side); 2] = [(Key::Num5, Side::Space), (Key::Num
 impl App {
     /// Keys that mean the same everywhere in the window, unless somebody types.
     pub(super) fn keys(&mut self, ui: &Ui) {
+        if self.asks() {
+            return;
+        }
         let pressed = |keys| ui.input_mut(|i| i.consume_shortcut(&keys));
         if pressed(SAVE_AS) {
             self.browse(ui.ctx(), Browse::Save);
@@ -56,7 +59,12 @@ impl App {
         if ui.input(|i| i.key_pressed(Key::F1)) {
             self.help = !self.help;
         }
-        if ui.ctx().egui_wants_keyboard_input() || self.canvas.is_typing() || self.canvas.is_dragging() {
+        let escape = ui.input(|i| i.key_pressed(Key::Escape));
+        if escape && self.grip.drags && !self.canvas.is_dragging() {
+            self.model.abort();
+        }
+        let drags = self.canvas.is_dragging() || ui.ctx().dragged_id().is_some();
+        if drags || ui.ctx().egui_wants_keyboard_input() || self.canvas.is_typing() {
             return;
         }
         if pressed(REDO_TOO) || pressed(REDO) {
@@ -106,7 +114,7 @@ impl App {
         if ui.input(|i| i.key_pressed(Key::Delete) || i.key_pressed(Key::Backspace)) {
             self.model.delete_selection();
         }
-        if ui.input(|i| i.key_pressed(Key::Escape)) && !self.model.cancel() {
+        if escape && !self.grip.waits && !self.model.cancel() {
             self.model.selection.clear();
         }
         if ui.input(|i| i.key_pressed(Key::F5)) {

@@ -59,6 +59,19 @@ pub struct App {
     tour: Option<usize>,
     /// It begins as soon as no question about unsaved work is open.
     tour_waits: bool,
+    /// It closes, whatever is not saved.
+    quits: bool,
+    /// What the frame before left in hand.
+    grip: Grip,
+}
+
+/// What a frame leaves in hand for the next one. By the time that a frame sees Escape, what it was meant for is let go already.
+#[derive(Clone, Copy, Default)]
+struct Grip {
+    /// Something is dragged.
+    drags: bool,
+    /// A field, a menu or a window waits for Escape.
+    waits: bool,
 }
 
 /// What stands beside the canvas.
@@ -123,6 +136,8 @@ impl App {
             examples: Default::default(),
             tour: None,
             tour_waits: false,
+            quits: false,
+            grip: Grip::default(),
         };
         if let Some(graph) = graph {
             app.open(graph);
@@ -203,6 +218,19 @@ impl App {
     #[must_use]
     pub fn settled(&self) -> bool {
         self.model.settled() && self.viewport.settled() && self.boards.settled() && self.lower.settled()
+    }
+
+    /// Notes what is in hand, and ends a step that nobody holds any more: a step stays open only as long as something is dragged or
+    /// a field has the keyboard.
+    fn note_grip(&mut self, ctx: &egui::Context) {
+        let typed = ctx.memory(|m| m.focused()).is_some();
+        let drags = ctx.dragged_id().is_some();
+        let windows =
+            self.browser.is_some() || self.gallery.open || self.help || self.asks() || self.canvas.has_window();
+        self.grip = Grip { drags, waits: drags || typed || egui::Popup::is_any_open(ctx) || windows };
+        if !drags && !typed && !ctx.input(|i| i.pointer.any_down()) {
+            self.model.end_all();
+        }
     }
 
     /// Goes where a click in the lower panel leads.
@@ -310,6 +338,7 @@ impl eframe::App for App {
         self.files(ui);
         self.gallery(ui);
         self.tour(ui);
+        self.note_grip(ui.ctx());
         if !self.model.settled() {
             // The worker wakes the window when it has something; this only keeps the clock of the bar going.
             ui.ctx().request_repaint_after(std::time::Duration::from_millis(200));

@@ -105,6 +105,12 @@ impl Canvas {
         self.typing.is_some() || self.finder.is_some() || self.search.is_some()
     }
 
+    /// Whether a window over the canvas waits for Escape.
+    #[must_use]
+    pub fn has_window(&self) -> bool {
+        self.is_typing() || self.table.is_some() || self.entries.is_some()
+    }
+
     /// Places nodes that have no place yet.
     fn arrange(&mut self, model: &mut Model) {
         let homeless: BTreeSet<String> =
@@ -264,7 +270,8 @@ impl Canvas {
 
     /// Opens the finder in the middle of what is seen, or at the pointer.
     pub fn open_finder(&mut self, ui: &Ui) {
-        let at = ui.input(|i| i.pointer.hover_pos()).unwrap_or_else(|| ui.max_rect().center());
+        let at = ui.input(|i| i.pointer.hover_pos()).filter(|at| self.area.contains(*at));
+        let at = at.unwrap_or_else(|| self.area.center());
         self.finder = Some(Finder::new(at, None));
     }
 

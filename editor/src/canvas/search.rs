@@ -79,7 +79,8 @@ impl Search {
         let typed = self.chooser.typed.trim().to_lowercase();
         let all = model.document().nodes().iter().filter_map(|(id, node)| {
             let info = model.catalog.of(node);
-            let text = node.params.get("text").and_then(tenon_engine::Literal::as_str);
+            // Of notes and of texts what they say.
+            let text = ["text", "value"].into_iter().find_map(|port| node.params.get(port)?.as_str());
             let words = node.more.note.as_deref().or(text).unwrap_or_default();
             let hit = Hit { id, title: info.title.clone(), category: info.category.clone(), words };
             rank(&hit, &info.type_name.to_lowercase(), &typed).map(|rank| (rank, hit))

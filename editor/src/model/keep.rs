@@ -10,8 +10,8 @@ use std::time::{Duration, Instant, SystemTime};
 use tenon_engine::{Diagnostic, Document, Operation};
 use tenon_nodes::host::output::write_quickly;
 
-/// How often unsaved work is written, and files are looked at.
-const EVERY: Duration = Duration::from_millis(900);
+/// How often unsaved work is written, and files are looked at: often enough that on a busy machine, too, no second is lost.
+const EVERY: Duration = Duration::from_millis(400);
 
 /// Most graphs that are remembered.
 const RECENT: usize = 12;
@@ -122,6 +122,20 @@ impl Model {
         self.keeper.written = None;
     }
 
+    /// Puts work that was left behind and cannot be read under another name, so that its place is free for what comes; gives why,
+    /// with that name.
+    #[must_use]
+    pub fn put_aside(&mut self, why: Diagnostic) -> Diagnostic {
+        let Some(path) = self.kept_path() else { return why };
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let free = (1..).map(|i| path.with_file_name(format!("{name}-{i}"))).find(|p| !p.exists());
+        let hint = match free.as_ref().map(|to| (to, fs::rename(&path, to))) {
+            Some((to, Ok(()))) => format!("it is kept as {}", to.display()),
+            _ => format!("it stays in {}, and what is done now cannot be kept", path.display()),
+        };
+        why.hint(hint)
+    }
+
     /// Notes how the graph's file is now, after reading or writing it; `offer` as at [`Model::take_slot`].
     pub(super) fn note_file(&mut self, offer: bool) {
         // The place of the graph before is given back first.
@@ -178,7 +192,15 @@ impl Model {
             return;
         }
         self.keeper.stamp = now;
-        let Ok((document, _)) = super::file::load(&path) else { return };
+        let document = match super::file::load(&path) {
+            Ok((document, _)) => document,
+            Err(why) => {
+                let message = format!("another program has written what is no graph into {}", path.display());
+                let hint = format!("{}; saving writes over it", why.diagnostic().message);
+                self.message = Some(Diagnostic::error("changed-elsewhere", message).hint(hint));
+                return;
+            }
+        };
         let text = document.to_string_canonical_for(&self.registry);
         if text == self.saved.0 {
             return;

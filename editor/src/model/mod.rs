@@ -318,6 +318,13 @@ impl Model {
         self.history.commit();
     }
 
+    /// Ends whatever [`Model::begin`] began and nothing has ended.
+    pub fn end_all(&mut self) {
+        while self.history.is_open() {
+            self.history.commit();
+        }
+    }
+
     /// Ends what [`Model::begin`] began and takes back all that was done since, as if it had never been.
     pub fn abort(&mut self) {
         let back = self.history.abandon();

@@ -59,7 +59,7 @@ impl Entries {
 
     fn show(&mut self, ui: &mut Ui, model: &mut Model) {
         self.read(model);
-        let mut changed = false;
+        let (mut changed, escape) = (false, ui.input(|i| i.key_pressed(Key::Escape)));
         let room = (ui.ctx().content_rect().height() - 240.0).clamp(80.0, 360.0);
         ScrollArea::vertical().max_height(room).show(ui, |ui| {
             let (mut up, mut gone) = (None, None);
@@ -70,7 +70,11 @@ impl Entries {
                         field.widget_info(|| {
                             WidgetInfo::labeled(WidgetType::TextEdit, true, format!("{what} of entry {}", i + 1))
                         });
-                        changed |= field.lost_focus();
+                        // Escape leaves it as it was.
+                        changed |= field.lost_focus() && !escape;
+                        if field.lost_focus() && escape {
+                            self.read = None;
+                        }
                     }
                     if ui.add_enabled(i > 0, Button::new("⬆").small()).on_hover_text("one up").clicked() {
                         up = Some(i);

@@ -7,6 +7,7 @@ use crate::model::param::{self, Widget, number, widget};
 use crate::theme::Theme;
 use eframe::egui::{
     self, Checkbox, ComboBox, DragValue, Grid, Id, RichText, ScrollArea, Slider, SliderClamping, TextEdit, Ui,
+    WidgetInfo, WidgetType,
 };
 use tenon_engine::{Json, Operation};
 
@@ -164,6 +165,8 @@ fn edit(
                     field = field.range(min..=max);
                 }
                 let response = ui.add(field);
+                let name = || WidgetInfo::labeled(WidgetType::DragValue, true, format!("value of {address}"));
+                response.widget_info(name);
                 step_around(ui, model, &response);
                 if response.changed() {
                     new = Some(Some(number(value)));

@@ -65,13 +65,13 @@ impl Sight {
         Self { axes, middle: [0, 1].map(|k| (low[k] + high[k]) / 2.0), centre: rect.center(), scale }
     }
 
-    fn to_screen(&self, p: [f64; 3]) -> Pos2 {
+    fn to_screen(self, p: [f64; 3]) -> Pos2 {
         let [x, y] = [0, 1].map(|k| ((p[self.axes[k]] - self.middle[k]) * self.scale) as f32);
         self.centre + vec2(x, -y)
     }
 
     /// A point where the pointer is; its third coordinate stays. As exact as the screen shows, on a grid if one is asked for.
-    fn at(&self, at: Pos2, mut p: [f64; 3], on_grid: bool) -> [f64; 3] {
+    fn at(self, at: Pos2, mut p: [f64; 3], on_grid: bool) -> [f64; 3] {
         let off = at - self.centre;
         let step = 10_f64.powi(((if on_grid { 20.0 } else { 1.0 }) / self.scale).log10().floor() as i32);
         for (k, off) in [off.x, -off.y].into_iter().enumerate() {

@@ -85,13 +85,14 @@ impl Table {
 
     /// Shows it in a window of its own; false once it is closed.
     pub fn window(&mut self, ui: &Ui, area: Rect, model: &mut Model) -> bool {
+        // What is dragged or typed there gives Escape its meaning first.
+        let escaped = ui.input(|i| i.key_pressed(Key::Escape)) && !self.turning;
         let mut open = true;
         let title = format!("{}.{}", self.node, self.port.name);
         let window =
             Window::new(title).open(&mut open).collapsible(false).default_pos(area.left_top()).constrain_to(area);
         let shown = window.default_size([330.0, 260.0]).show(ui.ctx(), |ui| self.show(ui, model));
         let there = shown.is_none_or(|s| s.inner.unwrap_or(true));
-        let escaped = ui.input(|i| i.key_pressed(Key::Escape)) && !ui.ctx().egui_wants_keyboard_input();
         let goes_on = open && there && !escaped;
         if !goes_on && self.turning {
             model.end();

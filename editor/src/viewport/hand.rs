@@ -83,6 +83,11 @@ impl Hand {
             self.points = model.handles();
             self.of = Some(now);
         }
+        // It was let go where this was not shown.
+        if self.taken.is_some() && !ui.input(|i| i.pointer.any_down()) {
+            self.taken = None;
+            model.end();
+        }
         let theme = Theme::of(ui);
         let painter = ui.painter_at(area);
         let mut clicked = false;
@@ -91,7 +96,8 @@ impl Hand {
             if clip.is_some_and(|c| c.side(handle.at) > 0.0) && !held {
                 continue;
             }
-            let Some(at) = camera.project(area, handle.at).filter(|at| area.contains(*at)) else { continue };
+            // One that is held may leave the viewport, and comes back.
+            let Some(at) = camera.project(area, handle.at).filter(|at| held || area.contains(*at)) else { continue };
             let id = Id::new(("handle", handle.label()));
             let response = ui.interact(Rect::from_center_size(at, vec2(16.0, 16.0)), id, Sense::click_and_drag());
             response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("point {}", handle.label())));
@@ -219,6 +225,9 @@ impl Hand {
         let chosen = self.chosen.as_ref().and_then(|c| self.points.iter().find(|h| h.same(c))).cloned();
         let Some(handle) = chosen.filter(|h| model.selection.contains(&h.node) || self.taken.is_some()) else {
             self.chosen = None;
+            if std::mem::take(&mut self.turning) {
+                model.end();
+            }
             return false;
         };
         let mut to = handle.at;

@@ -63,6 +63,12 @@ impl History {
         self.depth += 1;
     }
 
+    /// Whether a transaction is open.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.depth > 0
+    }
+
     /// Ends a transaction.
     pub fn commit(&mut self) {
         self.depth = self.depth.saturating_sub(1);

@@ -1,0 +1,153 @@
+//! What is held is one step, whatever happens to it meanwhile: Escape gives it up, other keys wait, nothing stays open.
+
+use crate::common::{Window, graph};
+use eframe::egui::{Key, Modifiers, Pos2, vec2};
+
+const CURVE: &str = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "c": { "type": "ifs_curve", "v": 1, "params": { "points": [[0, 0, 0], [500, 0, 400], [1000, 0, 0]] } },
+    "n": { "type": "number", "v": 1, "params": { "value": 3 } }
+  }
+}"#;
+
+fn window(name: &str) -> Window {
+    let mut w = Window::open(Some(&graph(name, CURVE)));
+    w.app().viewport.show_all();
+    w.steps(2);
+    w
+}
+
+fn points(w: &Window) -> String {
+    w.param("c", "points")
+}
+
+fn point(w: &Window) -> Pos2 {
+    w.rect("point c.points 2").center()
+}
+
+/// Two changes of a number are two steps, so nothing before them is open.
+fn assert_nothing_is_open(w: &mut Window) {
+    let before = w.app().model.steps().0;
+    for value in [50, 51] {
+        let set =
+            tenon_engine::Operation::SetParam { node: "n".into(), port: "value".into(), value: Some(value.into()) };
+        assert!(w.app().model.edit(set));
+        w.steps(1);
+    }
+    assert_eq!(w.app().model.steps().0, before + 2);
+}
+
+#[test]
+fn a_point_that_is_dragged_out_of_the_viewport_comes_back_and_is_one_step() {
+    let mut w = window("outside");
+    let (at, canvas) = (point(&w), w.rect("canvas").center());
+    w.press(at, canvas, Modifiers::NONE);
+    let far = points(&w);
+    w.hover(at + vec2(0.0, 30.0));
+    w.steps(2);
+    assert_ne!(points(&w), far, "it is still held");
+    w.hover(canvas);
+    w.release(canvas);
+    w.settle();
+    assert_eq!(w.app().model.steps().0, 1);
+    assert_nothing_is_open(&mut w);
+}
+
+#[test]
+fn escape_gives_up_what_is_dragged_anywhere() {
+    let mut w = window("given-up");
+    let before = w.text();
+    // A point in the viewport.
+    let at = point(&w);
+    w.press(at, at + vec2(30.0, 20.0), Modifiers::NONE);
+    assert_ne!(w.text(), before);
+    w.key(Modifiers::NONE, Key::Escape);
+    w.hover(at + vec2(60.0, 40.0));
+    w.release(at + vec2(60.0, 40.0));
+    w.settle();
+    assert_eq!((w.text(), w.app().model.steps()), (before.clone(), (0, 0)));
+    // The weight of a point, by its ring.
+    w.click(point(&w));
+    let ring = w.rect("weight c.points 2").center();
+    w.press(ring, ring + vec2(30.0, 0.0), Modifiers::NONE);
+    assert_ne!(w.text(), before);
+    w.key(Modifiers::NONE, Key::Escape);
+    w.release(ring + vec2(30.0, 0.0));
+    assert_eq!((w.text(), w.app().model.steps()), (before.clone(), (0, 0)));
+    // A coordinate in its field, and a value in the inspector.
+    for (node, name) in [("c", "z of c.points 2"), ("n", "value of n.value")] {
+        w.app().model.selection = [node.to_owned()].into();
+        w.steps(2);
+        let field = w.rect(name).center();
+        w.press(field, field + vec2(40.0, 0.0), Modifiers::NONE);
+        assert_ne!(w.text(), before, "{name}");
+        w.key(Modifiers::NONE, Key::Escape);
+        w.release(field + vec2(40.0, 0.0));
+        assert_eq!((w.text(), w.app().model.steps()), (before.clone(), (0, 0)), "{name}");
+    }
+    // A point in the drawing of a table.
+    w.double_click(w.rect("input c.points").center());
+    w.settle();
+    let drawn = w.rect("point 2 in the drawing").center();
+    w.press(drawn, drawn + vec2(0.0, 12.0), Modifiers::NONE);
+    assert_ne!(w.text(), before);
+    w.key(Modifiers::NONE, Key::Escape);
+    w.release(drawn + vec2(0.0, 12.0));
+    assert_eq!((w.text(), w.app().model.steps()), (before, (0, 0)));
+    assert!(w.has("point 2 in the drawing"), "the table stays");
+    assert_nothing_is_open(&mut w);
+}
+
+#[test]
+fn other_keys_wait_while_a_point_is_dragged() {
+    let mut w = window("waits");
+    let at = point(&w);
+    w.app().model.selection = ["n".to_owned()].into();
+    w.press(at, at + vec2(30.0, 20.0), Modifiers::NONE);
+    let held = points(&w);
+    for (modifiers, key) in [
+        (Modifiers::COMMAND, Key::Z),
+        (Modifiers::NONE, Key::Delete),
+        (Modifiers::ALT, Key::Num6),
+        (Modifiers::NONE, Key::F4),
+    ] {
+        w.key(modifiers, key);
+        assert_eq!((points(&w), w.app().model.document().nodes().len()), (held.clone(), 2), "{key:?}");
+        assert!(w.has("point c.points 2") && !w.app().canvas.is_typing(), "{key:?}");
+    }
+    w.hover(at + vec2(40.0, 20.0));
+    w.release(at + vec2(40.0, 20.0));
+    assert_eq!(w.app().model.steps().0, 1);
+}
+
+#[test]
+fn escape_leaves_a_field_a_menu_or_a_window_first_and_selects_nothing_only_then() {
+    let mut w = window("first");
+    w.click(point(&w));
+    let chosen = |w: &Window| w.harness.state().model.selection.iter().cloned().collect::<Vec<_>>();
+    assert_eq!(chosen(&w), ["c"]);
+    // A coordinate that is being typed.
+    w.click(w.rect("x of c.points 2").center());
+    w.type_text("7");
+    w.key(Modifiers::NONE, Key::Escape);
+    assert_eq!(chosen(&w), ["c"]);
+    assert_nothing_is_open(&mut w);
+    // Menus, the keys, a table.
+    for label in ["More", "Views"] {
+        w.click(w.rect(label).center());
+        w.key(Modifiers::NONE, Key::Escape);
+        assert_eq!(chosen(&w), ["c"], "{label}");
+    }
+    w.key(Modifiers::NONE, Key::F1);
+    assert!(w.has("Keys"));
+    w.key(Modifiers::NONE, Key::Escape);
+    assert!(!w.has("F3") && chosen(&w) == ["c"]);
+    w.double_click(w.rect("input c.points").center());
+    w.settle();
+    w.key(Modifiers::NONE, Key::Escape);
+    assert!(!w.has("Add a row") && chosen(&w) == ["c"]);
+    w.key(Modifiers::NONE, Key::Escape);
+    assert!(chosen(&w).is_empty());
+}
