@@ -1,5 +1,6 @@
 //! The window without a screen: driven by pointer and keys, looked at through its names and its pictures.
 
+mod beside;
 mod boards;
 mod canvas;
 mod clusters;

@@ -137,7 +137,7 @@ impl App {
         self.take_preferences(ctx);
         self.dialogs = Dialogs::of_the_desktop();
         self.model.host_plugins_by(std::env::current_exe().ok());
-        self.model.message = self.model.load_plugins(&start.plugins, &tenon_nodes::plugin::folders()).err();
+        self.model.load_plugins(&start.plugins, &tenon_nodes::plugin::folders());
         if let Some(graph) = &start.graph {
             self.open(graph);
         }
@@ -199,10 +199,13 @@ impl App {
         }
     }
 
-    /// Whether nothing is on its way from other threads: the evaluation, and what is made of its results to be looked at.
+    /// Whether nothing is on its way from other threads: the evaluation, what is made of its results to be looked at, plugins
+    /// that are loaded, files that are written.
     #[must_use]
     pub fn settled(&self) -> bool {
-        self.model.settled() && self.viewport.settled() && self.boards.settled() && self.lower.settled()
+        let beside = self.model.plugins().loading().is_none() && self.model.exporting().is_none();
+        let made = self.viewport.settled() && self.boards.settled() && self.lower.settled() && self.examples.settled();
+        self.model.settled() && beside && made
     }
 
     /// Goes where a click in the lower panel leads.
@@ -273,6 +276,7 @@ impl App {
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
         self.model.poll();
+        self.examples.poll();
         self.keys(ui);
         egui::Panel::top("menus").show(ui, |ui| self.menus(ui));
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
