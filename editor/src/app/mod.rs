@@ -293,6 +293,7 @@ impl eframe::App for App {
                 });
             egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.side(ui));
         });
+        self.lower.rest();
         if self.lower.tab.is_some() {
             egui::Panel::bottom("lower").resizable(true).default_size(200.0).show(ui, |ui| {
                 self.boards.look(ui.ctx(), &self.model);

@@ -21,6 +21,7 @@ pub mod results;
 pub mod salvage;
 mod slot;
 mod watch;
+pub mod words;
 pub mod worker;
 
 use catalog::Catalog;
