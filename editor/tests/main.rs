@@ -18,5 +18,6 @@ mod sheets;
 mod shell;
 mod sliders;
 mod snapshots;
+mod values;
 mod viewport;
 mod window;

@@ -65,7 +65,7 @@ impl Sight {
         Self { axes, middle: [0, 1].map(|k| (low[k] + high[k]) / 2.0), centre: rect.center(), scale }
     }
 
-    fn to_screen(&self, p: [f64; 3]) -> Pos2 {
+    fn to_screen(self, p: [f64; 3]) -> Pos2 {
         let [x, y] = [0, 1].map(|k| ((p[self.axes[k]] - self.middle[k]) * self.scale) as f32);
         self.centre + vec2(x, -y)
     }
