@@ -130,7 +130,8 @@ fn where_no_desktop_answers_the_windows_own_browser_does() {
 fn a_plugin_that_crashes_leaves_the_window() {
     let (mut w, _) = opened("crash");
     w.app().model.host_plugins_by(Some(env!("CARGO_BIN_EXE_tenon-editor").into()));
-    w.app().model.load_plugins(&[misbehaving("crashing")], &[]).unwrap();
+    w.app().model.load_plugins(&[misbehaving("crashing")], &[]);
+    w.settle();
     let (id, add) = w.app().model.new_node("misbehaving.doomed", [0.0, 0.0]);
     let set = |x: i32| Operation::SetParam { node: id.clone(), port: "x".into(), value: Some(x.into()) };
     assert!(w.app().model.edit(Operation::All(vec![add, set(101)])));

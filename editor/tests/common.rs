@@ -98,10 +98,18 @@ pub fn small_shell(name: &str, change: impl FnOnce(&mut Json)) -> PathBuf {
 
 /// The plugin of misdeeds, compiled here.
 pub fn misbehaving(name: &str) -> PathBuf {
+    misbehaving_by(name, &[])
+}
+
+/// The same, compiled with other options besides.
+pub fn misbehaving_by(name: &str, options: &[&str]) -> PathBuf {
     let sdk = root().join("plugin-sdk");
     let library = folder(name).join("misbehaving").with_extension(std::env::consts::DLL_EXTENSION);
     let mut cc = std::process::Command::new("cc");
-    cc.args(["-std=c11", "-shared", "-fPIC", "-pthread", "-DLOADABLE", "-I"]).arg(sdk.join("include"));
+    cc.args(["-std=c11", "-shared", "-fPIC", "-pthread", "-DLOADABLE"])
+        .args(options)
+        .arg("-I")
+        .arg(sdk.join("include"));
     let done = cc.arg(sdk.join("examples/misbehaving-c/misbehaving.c")).arg("-o").arg(&library).arg("-lm").output();
     let done = done.unwrap();
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));

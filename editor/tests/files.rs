@@ -85,10 +85,11 @@ fn of_a_broken_graph_what_can_be_read_is_opened_and_the_file_stays() {
 fn the_files_of_the_graph_are_written_as_the_command_line_writes_them() {
     let mut w = Window::open(Some(&example("quad-mesh")));
     let out = folder("export").join("out");
-    let said = w.app().model.export(&out).unwrap();
+    w.app().model.export(&out).unwrap();
+    w.settle();
     let written = std::fs::read_dir(&out).unwrap().count();
     // The manifest stands beside them.
-    assert!(written > 2 && said.starts_with(&format!("{} files", written - 1)), "{said}, {written}");
+    assert!(written > 2 && w.has_containing(&format!("{} files written into", written - 1)), "{written}");
     for (_, file) in &w.app().model.results.files {
         let name = out.join(&*file.name);
         let name = if file.withheld.is_some() { name.with_added_extension("unproven") } else { name };
@@ -147,6 +148,7 @@ fn what_a_missing_plugin_would_bring_is_told_at_the_node() {
     let path = w.app().model.path().unwrap().with_file_name(format!("bad.{}", std::env::consts::DLL_EXTENSION));
     std::fs::write(&path, "no library").unwrap();
     w.drop_file(&path);
+    w.settle();
     assert!(w.app().model.message.as_ref().unwrap().message.contains("bad."), "{:?}", w.app().model.message);
     assert!(w.app().model.catalog.get("thicken").is_some());
 }

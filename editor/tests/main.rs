@@ -1,5 +1,6 @@
 //! The window without a screen: driven by pointer and keys, looked at through its names and its pictures.
 
+mod beside;
 mod boards;
 mod canvas;
 mod clusters;
@@ -18,5 +19,6 @@ mod sheets;
 mod shell;
 mod sliders;
 mod snapshots;
+mod values;
 mod viewport;
 mod window;

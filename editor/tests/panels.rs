@@ -111,6 +111,7 @@ fn examples_of_a_node_are_put_into_the_graph() {
     w.harness.get_by_label("Examples").scroll_to_me();
     w.steps(5);
     w.click(w.rect("Examples").center());
+    w.settle();
     w.steps(30);
     w.harness.get_all_by_label("Insert").next().unwrap().scroll_to_me();
     w.steps(10);

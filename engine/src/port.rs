@@ -139,7 +139,7 @@ pub struct Port {
 }
 
 impl Port {
-    fn new(name: impl Into<Cow<'static, str>>, item_type: ItemType, access: Access) -> Self {
+    pub(crate) fn new(name: impl Into<Cow<'static, str>>, item_type: ItemType, access: Access) -> Self {
         Self {
             name: name.into(),
             item_type,

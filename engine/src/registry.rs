@@ -3,7 +3,7 @@
 use crate::call::Call;
 use crate::diagnostic::{Diagnostic, Fail};
 use crate::evaluate::simple::SIMPLE_PORTS;
-use crate::port::{ItemType, Port};
+use crate::port::{Access, ItemType, Port};
 use crate::value::{Column, Digester, File, Item, Json, Text, Tree};
 use std::any::TypeId;
 use std::borrow::Cow;
@@ -348,6 +348,16 @@ impl Registry {
     /// Names of all item types.
     pub fn type_names(&self) -> impl Iterator<Item = &'static str> {
         self.types.keys().copied()
+    }
+
+    /// A port for items of the type of that name, or of `any` type; none if there is no such type.
+    #[must_use]
+    pub fn port(&self, name: &str, type_name: &str, access: Access) -> Option<Port> {
+        let name = name.to_owned();
+        if type_name == "any" {
+            return Some(Port::any(name, access));
+        }
+        self.types.get(type_name).map(|t| Port::new(name, *t, access))
     }
 
     /// Lets a wire from `A` to `B` turn each item; an item that cannot be turned becomes a gap with an error.

@@ -30,6 +30,21 @@ fn many_wires_append_in_the_order_of_from() {
 }
 
 #[test]
+fn what_wires_bring_can_be_put_together_without_a_session() {
+    let r = Registry::new();
+    let numbers = r.port("x", "number", Access::List).expect("there is such a type");
+    let (whole, half) = (Tree::item(2_i64), Tree::item(0.5));
+    let both = r.arriving(&numbers, &[whole.clone(), half.clone()], &[TreeOp::Reverse]).unwrap_or_default();
+    assert_eq!(both, Tree::list(vec![0.5, 2.0]));
+    assert_eq!(r.arriving(&numbers, &[], &[]).unwrap_or_default(), Tree::default());
+    let any = r.port("x", "any", Access::Tree).expect("there is such a type");
+    assert!(r.arriving(&any, &[whole, half.clone()], &[]).is_err_and(|e| e.to_string().contains("integer and number")));
+    let text = Tree::item(Text::from("oak"));
+    assert!(r.arriving(&numbers, &[half, text], &[]).is_err_and(|e| e.to_string().contains("takes number, but text")));
+    assert!(r.port("x", "nothing like it", Access::Item).is_none());
+}
+
+#[test]
 fn optional_ports_may_stay_empty() {
     let mut s = session(json!({"a": {"type": "maybe"}, "b": {"type": "maybe", "params": {"a": 2}}}));
     assert!(!evaluate(&mut s, &[]).has_errors());

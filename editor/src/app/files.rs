@@ -174,7 +174,7 @@ impl App {
     }
 
     fn load_plugin(&mut self, path: &Path) {
-        self.model.message = self.model.load_plugins(&[path.to_owned()], &[]).err();
+        self.model.load_plugins(&[path.to_owned()], &[]);
     }
 
     /// Adds the node that reads a mesh.
@@ -201,10 +201,7 @@ impl App {
             Browse::Plugin => self.load_plugin(path),
             Browse::Reference => self.viewport.refer_to(&self.model, path),
             Browse::Picture => self.model.message = self.viewport.save_picture(ui.ctx(), path).err(),
-            Browse::Export => match self.model.export(path) {
-                Ok(said) => self.said = Some(said),
-                Err(e) => self.model.message = Some(e),
-            },
+            Browse::Export => self.model.message = self.model.export(path).err(),
         }
     }
 
@@ -233,6 +230,11 @@ impl App {
         self.answered(ui);
         if let Some(said) = self.viewport.follow(ui.ctx(), &mut self.model) {
             self.said = Some(said);
+        }
+        match self.model.exported() {
+            None => {}
+            Some(Ok(said)) => self.said = Some(said),
+            Some(Err(why)) => self.model.message = Some(why),
         }
         if let Some(mut browser) = self.browser.take() {
             match browser.show(ui) {

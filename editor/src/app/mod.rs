@@ -152,7 +152,7 @@ impl App {
         self.take_preferences(ctx);
         self.dialogs = Dialogs::of_the_desktop();
         self.model.host_plugins_by(std::env::current_exe().ok());
-        self.model.message = self.model.load_plugins(&start.plugins, &tenon_nodes::plugin::folders()).err();
+        self.model.load_plugins(&start.plugins, &tenon_nodes::plugin::folders());
         if let Some(graph) = &start.graph {
             self.open(graph);
         }
@@ -214,10 +214,13 @@ impl App {
         }
     }
 
-    /// Whether nothing is on its way from other threads: the evaluation, and what is made of its results to be looked at.
+    /// Whether nothing is on its way from other threads: the evaluation, what is made of its results to be looked at, plugins
+    /// that are loaded, files that are written.
     #[must_use]
     pub fn settled(&self) -> bool {
-        self.model.settled() && self.viewport.settled() && self.boards.settled() && self.lower.settled()
+        let beside = self.model.plugins().loading().is_none() && self.model.exporting().is_none();
+        let made = self.viewport.settled() && self.boards.settled() && self.lower.settled() && self.examples.settled();
+        self.model.settled() && beside && made
     }
 
     /// Notes what is in hand, and ends a step that nobody holds any more: a step stays open only as long as something is dragged or
@@ -301,6 +304,7 @@ impl App {
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
         self.model.poll();
+        self.examples.poll();
         self.keys(ui);
         egui::Panel::top("menus").show(ui, |ui| self.menus(ui));
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
@@ -317,6 +321,7 @@ impl eframe::App for App {
                 });
             egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.side(ui));
         });
+        self.lower.rest();
         if self.lower.tab.is_some() {
             egui::Panel::bottom("lower").resizable(true).default_size(200.0).show(ui, |ui| {
                 self.boards.look(ui.ctx(), &self.model);

@@ -136,7 +136,7 @@ impl App {
         });
         if self.preferences.plugins_apart != before.plugins_apart {
             self.model.run_plugins_apart(self.preferences.plugins_apart);
-            self.model.message = self.model.load_plugins(&[], &[]).err();
+            self.model.load_plugins(&[], &[]);
         }
         if self.preferences != before {
             ui.ctx().set_theme(self.preferences.theme);

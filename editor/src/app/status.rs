@@ -41,6 +41,15 @@ impl App {
             } else {
                 ui.label("evaluating …");
             }
+            if let Some(what) = self.model.plugins().loading() {
+                ui.separator();
+                ui.label(format!("loading {what} …"));
+            }
+            if let Some(folder) = self.model.exporting() {
+                ui.separator();
+                let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy();
+                ui.label(format!("writing files into {name} …"));
+            }
             ui.separator();
             if let Some(message) = &self.model.message {
                 let hint = message.hint.as_ref().map(|h| format!(" ({h})")).unwrap_or_default();

@@ -9,7 +9,7 @@ use super::wiring::End;
 use super::{Canvas, groups, view};
 use crate::model::Model;
 use crate::model::catalog::PortInfo;
-use crate::model::param::{Slider, Widget, number, round_step};
+use crate::model::param::{Slider, Widget, number, round_step, slid};
 use crate::panels::table::{self, Table};
 use crate::theme;
 use eframe::egui::{Key, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui, Vec2};
@@ -283,7 +283,7 @@ impl Canvas {
 
     fn drag(&mut self, delta: Vec2, area: Rect, at: Pos2, model: &mut Model) {
         let set = |node: &str, port: &str, value: f64, model: &mut Model| {
-            let value = number((value * 1e6).round() / 1e6);
+            let value = number(slid(value));
             if model.param(node, port).as_ref() != Some(&value) {
                 model.edit(Operation::SetParam { node: node.into(), port: port.into(), value: Some(value) });
             }

@@ -279,7 +279,11 @@ impl Paint<'_> {
             painter.text(rect.center(), Align2::CENTER_CENTER, &shape.id, font, self.theme.text);
             return;
         }
-        let inside = header.shrink2(vec2(self.scaled(8.0), 0.0));
+        let mut inside = header.shrink2(vec2(self.scaled(8.0), 0.0));
+        if let Some(badge) = badge(shape, self.model) {
+            // It must not lie over the state.
+            inside.max.x -= self.scaled(shape.rect.right() - badge.left() - 4.0);
+        }
         let painter = self.painter.with_clip_rect(inside.intersect(self.painter.clip_rect()));
         painter.text(inside.left_center(), Align2::LEFT_CENTER, &shape.id, self.font(14.0), ink);
         let state = match (shape.state, self.model.results.nodes.get(&*self.model.path_of(&shape.id))) {
@@ -294,14 +298,15 @@ impl Paint<'_> {
             },
             _ => String::new(),
         };
-        let badge = if self.hidden(shape) { format!("hidden  {state}") } else { state };
-        let size = self.painter.layout_no_wrap(badge.clone(), self.font(theme::SMALL), ink).size();
-        let room = Rect::from_min_max(pos2(inside.right() - size.x - 4.0, header.top()), header.max);
+        let state = if self.hidden(shape) { format!("hidden  {state}") } else { state };
+        let size = self.painter.layout_no_wrap(state.clone(), self.font(theme::SMALL), ink).size();
+        let room = pos2(inside.right() - size.x - 4.0, header.top());
+        let room = Rect::from_min_max(room, pos2(inside.right() + self.scaled(8.0), header.bottom()));
         self.painter.rect_filled(room.shrink(1.0), 0.0, bar);
         self.painter.text(
             inside.right_center(),
             Align2::RIGHT_CENTER,
-            badge,
+            state,
             self.font(theme::SMALL),
             ink.gamma_multiply(0.85),
         );

@@ -4,6 +4,7 @@ use super::Canvas;
 use super::paint::Paint;
 use super::shape::{FOOT, HEADER, Kind, Shape};
 use crate::model::Model;
+use crate::model::words::words;
 use crate::theme;
 use eframe::egui::{Align2, FontId, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
 use tenon_engine::Tree;
@@ -29,8 +30,7 @@ fn lines(tree: &Tree, from: usize, to: usize) -> Vec<String> {
                 all.push(path.to_string());
                 continue;
             };
-            let item = if column.is_valid(i) { column.summary(i) } else { "(nothing)".to_owned() };
-            let item: String = item.chars().take(200).collect();
+            let item = words(column, i, 200);
             all.push(if end - at > 1 { format!("{i}  {item}") } else { item });
         }
         at = end;
@@ -135,6 +135,7 @@ mod tests {
         assert_eq!((all[1].as_str(), all[4].as_str()), ("0  1.5", "0  (nothing)"), "{all:?}");
         assert_eq!(lines(&tree, 2, 5), all[2..5]);
         assert_eq!(lines(&Tree::item(4.0), 0, 9).len(), 1);
+        assert_eq!(lines(&Tree::item(tenon_engine::Text::from("oak")), 0, 9), ["oak"]);
         let long = Tree::list((0..1_000_000).map(f64::from).collect::<Vec<_>>());
         assert_eq!(lines(&long, 999_999, 1_000_050).len(), 1);
     }

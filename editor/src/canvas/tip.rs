@@ -2,6 +2,7 @@
 
 use super::shape::Shape;
 use crate::model::Model;
+use crate::model::words::in_short;
 use crate::theme;
 use eframe::egui::{RichText, Ui};
 use tenon_engine::{Access, Severity, Tree};
@@ -92,9 +93,7 @@ pub fn value(tree: &Tree) -> String {
         (1, n) => format!("{n} items, "),
         (b, n) => format!("{b} branches, {n} items, "),
     };
-    let summary = tree.summary();
-    let short: String = summary.chars().take(200).collect();
-    format!("{shape}{short}")
+    format!("{shape}{}", in_short(tree, 200))
 }
 
 /// A size for people.

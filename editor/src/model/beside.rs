@@ -1,6 +1,7 @@
 //! Things that take long to make from values, made on threads of their own: until the new one is there the old one is
 //! shown, and the window never waits.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
@@ -24,8 +25,18 @@ impl<T: Send + 'static> Beside<T> {
     /// Asks for what belongs to a key, to be called every frame: nothing happens if it is there or being made. `wake` is
     /// called from the other thread once it is made.
     pub fn want(&mut self, key: u128, wake: impl FnOnce() + Send + 'static, make: impl FnOnce() -> T + Send + 'static) {
+        self.want_by(key, wake, || make);
+    }
+
+    /// The same; `maker` gives what makes it, and is called only if it is not there.
+    pub fn want_by<M: FnOnce() -> T + Send + 'static>(
+        &mut self,
+        key: u128,
+        wake: impl FnOnce() + Send + 'static,
+        maker: impl FnOnce() -> M,
+    ) {
         self.wanted = Some(key);
-        self.take();
+        self.poll();
         if self.coming.is_some()
             || self.failed == Some(key)
             || self.made.as_ref().is_some_and(|(made_for, _)| *made_for == key)
@@ -33,9 +44,14 @@ impl<T: Send + 'static> Beside<T> {
             return;
         }
         let (tell, told) = channel();
+        let make = maker();
         let work = move || {
-            // Nobody listens any more once the window is closed.
-            let _ = tell.send(make());
+            if let Ok(made) = catch_unwind(AssertUnwindSafe(make)) {
+                // Nobody listens any more once the window is closed.
+                let _ = tell.send(made);
+            }
+            // That nothing comes is told, too.
+            drop(tell);
             wake();
         };
         if std::thread::Builder::new().name("beside".into()).spawn(work).is_ok() {
@@ -48,7 +64,8 @@ impl<T: Send + 'static> Beside<T> {
         *self = Self::default();
     }
 
-    fn take(&mut self) {
+    /// Takes what is made by now, also where it is not asked for any more.
+    pub fn poll(&mut self) {
         let Some((key, told)) = &self.coming else { return };
         match told.try_recv() {
             Ok(made) => self.made = Some((*key, Arc::new(made))),
@@ -69,6 +86,12 @@ impl<T: Send + 'static> Beside<T> {
     #[must_use]
     pub fn now(&self) -> Option<&Arc<T>> {
         self.made.as_ref().filter(|(key, _)| Some(*key) == self.wanted).map(|(_, made)| made)
+    }
+
+    /// Whether what was asked for last could not be made.
+    #[must_use]
+    pub fn failed(&self) -> bool {
+        self.failed.is_some() && self.failed == self.wanted
     }
 
     /// Whether nothing is being made.
@@ -107,5 +130,18 @@ mod tests {
         woken();
         b.want(3, || (), || panic!("it is there"));
         assert_eq!(b.now().map(|t| **t), Some("three"));
+    }
+
+    #[test]
+    fn what_cannot_be_made_is_told_and_not_tried_again() {
+        let mut b = Beside::<()>::default();
+        let (woken, wakes) = channel();
+        b.want(1, move || woken.send(()).unwrap_or(()), || panic!("on purpose"));
+        assert!(!b.failed());
+        wakes.recv_timeout(Duration::from_secs(20)).unwrap();
+        b.want_by(1, || (), || -> fn() { panic!("it would only fail again") });
+        assert!(b.failed() && b.settled() && b.now().is_none());
+        b.want(2, || (), || ());
+        assert!(!b.failed());
     }
 }

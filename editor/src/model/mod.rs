@@ -21,6 +21,7 @@ pub mod results;
 pub mod salvage;
 mod slot;
 mod watch;
+pub mod words;
 pub mod worker;
 
 use catalog::Catalog;
@@ -67,6 +68,9 @@ pub struct Model {
     compared_at: Option<Instant>,
     keeper: keep::Keeper,
     watch: watch::Watch,
+    exporting: Option<export::Exporting>,
+    /// Asks for a frame, from any thread.
+    wake: Arc<dyn Fn() + Send + Sync>,
     /// Where unsaved work without a file and the list of recent graphs are kept; none: nowhere.
     pub state: Option<PathBuf>,
     /// What of the graph could not be read from its file.
@@ -86,12 +90,14 @@ impl Model {
     /// If the system gives no thread.
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let registry = Arc::new(tenon_nodes::registry());
-        let wake = Arc::new(wake);
-        let again = wake.clone();
+        let wake: Arc<dyn Fn() + Send + Sync> = Arc::new(wake);
+        let (worker_wakes, watch_wakes) = (wake.clone(), wake.clone());
         let mut model = Self {
             catalog: Catalog::new(&registry),
-            worker: Worker::start(registry.clone(), move || wake())?,
-            watch: watch::Watch::start(move || again())?,
+            worker: Worker::start(registry.clone(), move || worker_wakes())?,
+            watch: watch::Watch::start(move || watch_wakes())?,
+            exporting: None,
+            wake,
             registry,
             plugins: Plugins::default(),
             document: Document::new(),
@@ -375,9 +381,9 @@ impl Model {
         self.history.steps()
     }
 
-    /// Takes what the evaluation has to tell; true if something is new.
+    /// Takes what the evaluation has to tell, and plugins that were loaded; true if something is new.
     pub fn poll(&mut self) -> bool {
-        let mut news = false;
+        let mut news = self.take_plugins();
         while let Some(update) = self.worker.poll() {
             news = true;
             if let Update::Lost(diagnostic) = &update {

@@ -178,7 +178,8 @@ impl Typed {
         let end = text.char_indices().find(|(_, c)| !figure(*c)).map_or(text.len(), |(i, _)| i);
         let (figures, unit) = text.split_at(end);
         let parts: Vec<&str> = figures.split('<').flat_map(|p| p.split("..")).map(str::trim).collect();
-        let numbers: Vec<f64> = parts.iter().map(|p| p.parse().ok()).collect::<Option<_>>()?;
+        let numbers: Vec<f64> =
+            parts.iter().map(|p| p.parse().ok().filter(|v: &f64| v.is_finite())).collect::<Option<_>>()?;
         let (min, value, max) = match numbers[..] {
             [value] => {
                 let far = 10f64.powf(value.abs().max(1.0).log10().ceil()).max(10.0);
@@ -220,6 +221,13 @@ impl Typed {
 #[must_use]
 pub fn number(value: f64) -> Json {
     if value.fract() == 0.0 && value.abs() < 1e15 { Json::from(value as i64) } else { Json::from(value) }
+}
+
+/// A number that a hand has set by sliding: rounded to six decimals, as far as it has any.
+#[must_use]
+pub fn slid(value: f64) -> f64 {
+    let rounded = (value * 1e6).round() / 1e6;
+    if rounded.is_finite() { rounded } else { value }
 }
 
 /// A number as people read it: at most four decimals, no trailing zeros.
@@ -326,6 +334,7 @@ mod tests {
         let list = Node::new("value_list").param("names", json!(["thin", "thick"]));
         let chosen = at(&list, &PortInfo { name: "chosen".into(), default: None, ..port(None) }, None);
         assert_eq!(widget(&chosen, None), Widget::Choice("thin".into()));
+        assert_eq!([slid(0.123_456_78), slid(1e305), slid(-f64::MAX)], [0.123_457, 1e305, -f64::MAX]);
     }
 
     #[test]

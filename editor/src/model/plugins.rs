@@ -1,13 +1,15 @@
 //! Plugins in the window: the libraries that were named or dropped, and those of the folders that every program of ours
-//! searches. What a graph requires and is not there is told at the graph and at its nodes.
+//! searches. They are loaded beside the window, since a library may take its time to say who it is; until then nodes of it
+//! are unknown. What a graph requires and is not there is told at the graph and at its nodes.
 
 use super::Model;
 use super::catalog::Catalog;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tenon_engine::{Diagnostic, Json, Registry};
-use tenon_nodes::plugin::{Found, Wanted, load_all};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use tenon_engine::{Diagnostic, Document, Json, Registry};
+use tenon_nodes::plugin::{Found, Wanted, load_willing};
 
 /// What is loaded besides the built-in nodes, and from where.
 #[derive(Default)]
@@ -21,34 +23,76 @@ pub struct Plugins {
     /// The program that becomes their processes; without one it is `tenon`.
     host: Option<PathBuf>,
     found: Found,
-    /// The requirements that they were loaded for.
+    /// The requirements that they are loaded for, or will be.
     loaded_for: Option<BTreeMap<String, Json>>,
+    /// What is being loaded, all at once.
+    coming: Option<Coming>,
+    /// What else was asked for meanwhile, in words.
+    next: Option<String>,
+}
+
+/// What is being loaded.
+struct Coming {
+    /// In words.
+    what: String,
+    /// The libraries that were named when it began.
+    named: Vec<PathBuf>,
+    done: Receiver<Loaded>,
+}
+
+/// The built-in node types with those of all libraries that can be loaded.
+struct Loaded {
+    registry: Registry,
+    catalog: Catalog,
+    found: Found,
 }
 
 impl Plugins {
-    /// The built-in node types with those of all libraries that can be loaded; what is wrong with the others. Nodes of
-    /// plugins that are required and not there say so themselves from then on.
-    pub(super) fn load(&mut self, requires: &BTreeMap<String, Json>) -> (Registry, Vec<Diagnostic>) {
+    /// What is being loaded, in words; none if nothing is.
+    #[must_use]
+    pub fn loading(&self) -> Option<&str> {
+        self.coming.as_ref().map(|c| c.what.as_str())
+    }
+
+    /// Begins to load all that is wanted now; if something is being loaded, as soon as that is done.
+    fn load(&mut self, what: String, wake: Arc<dyn Fn() + Send + Sync>) {
+        if self.coming.is_some() {
+            self.next = Some(what);
+            return;
+        }
         let apart: &[String] = if self.apart { &["all".to_owned()] } else { &[] };
-        let wanted = Wanted::new(requires, apart).hosted_by(self.host.clone());
-        let (mut wrong, mut good) = (Vec::new(), Vec::new());
-        for library in &self.named {
-            good.push(library.clone());
-            if let Err(refused) = load_all(&mut tenon_nodes::registry(), &good, &[], &wanted) {
-                wrong.push(Diagnostic::error("bad-plugin", refused.to_string()));
-                good.pop();
-            }
-        }
-        self.named = good;
-        let mut registry = tenon_nodes::registry();
-        match load_all(&mut registry, &self.named, &self.folders, &wanted) {
-            Ok(found) => {
-                wrong.extend(found.refused.iter().map(|r| Diagnostic::error("bad-plugin", r.to_string())));
-                self.found = found;
-            }
-            Err(refused) => wrong.push(Diagnostic::error("bad-plugin", refused.to_string())),
-        }
-        (registry, wrong)
+        let requires = self.loaded_for.clone().unwrap_or_default();
+        let wanted = Wanted::new(&requires, apart).hosted_by(self.host.clone());
+        let (named, folders) = (self.named.clone(), self.folders.clone());
+        let (tell, done) = channel();
+        let asked = named.clone();
+        let work = move || {
+            let mut registry = tenon_nodes::registry();
+            let found = load_willing(&mut registry, &asked, &folders, &wanted);
+            let catalog = Catalog::new(&registry);
+            // Nobody listens any more once the window is closed.
+            let _ = tell.send(Loaded { registry, catalog, found });
+            wake();
+        };
+        // Without a thread nobody answers, which is told as what could not be loaded.
+        let _ = std::thread::Builder::new().name("plugins".into()).spawn(work);
+        self.coming = Some(Coming { what, named, done });
+    }
+
+    /// What came of it, once it is done. Libraries that were refused are not asked for again.
+    fn come(&mut self) -> Option<Result<Loaded, Diagnostic>> {
+        let done = match self.coming.as_ref()?.done.try_recv() {
+            Ok(loaded) => Some(loaded),
+            Err(TryRecvError::Empty) => return None,
+            Err(TryRecvError::Disconnected) => None,
+        };
+        let Coming { what, named, .. } = self.coming.take()?;
+        let is_there = |path: &Path| {
+            let all = done.iter().flat_map(|d| d.found.plugins.iter().chain(&d.found.unfit));
+            all.into_iter().any(|plugin| plugin.path == path)
+        };
+        self.named.retain(|path| !named.contains(path) || is_there(path));
+        Some(done.ok_or_else(|| Diagnostic::error("bad-plugin", format!("{what} could not be loaded"))))
     }
 
     /// Ids and versions of what is loaded.
@@ -74,41 +118,84 @@ impl Model {
         self.plugins.host = program;
     }
 
-    /// Loads libraries besides those that are loaded, and searches `folders` if there are any. The document stays as it is;
-    /// nodes whose types come with the plugins run.
-    ///
-    /// # Errors
-    /// Says which library was refused and why; the others are loaded all the same.
-    pub fn load_plugins(&mut self, libraries: &[PathBuf], folders: &[PathBuf]) -> Result<(), Diagnostic> {
-        let whole = libraries.iter().map(|p| p.canonicalize().unwrap_or_else(|_| p.clone()));
-        self.plugins.named.extend(whole);
-        self.plugins.named.dedup();
+    /// Begins to load libraries besides those that are loaded, and to search `folders` if there are any. The document stays
+    /// as it is; nodes whose types come with the plugins run once they are there. Which library is refused and why is told in
+    /// [`Model::message`] then; the others are loaded all the same.
+    pub fn load_plugins(&mut self, libraries: &[PathBuf], folders: &[PathBuf]) {
+        for path in libraries.iter().map(|p| p.canonicalize().unwrap_or_else(|_| p.clone())) {
+            if !self.plugins.named.contains(&path) {
+                self.plugins.named.push(path);
+            }
+        }
         if !folders.is_empty() {
             self.plugins.folders = folders.to_vec();
         }
-        let wrong = self.load_for(&self.document.requires.clone());
-        self.catalog.take_clusters(&self.document, &self.registry);
+        self.message = None;
+        self.plugins.loaded_for = Some(self.document.requires.clone());
+        let names = libraries.iter().filter_map(|p| p.file_name()).map(|name| name.to_string_lossy());
+        self.plugins.load(named(names), self.wake.clone());
+    }
+
+    /// Begins to load what a graph with such requirements takes, unless just these are there or on their way. Until then no
+    /// plugin runs: it may be one that the graph does not take, or not in this process.
+    pub(super) fn load_if_others(&mut self, requires: &BTreeMap<String, Json>) {
+        let same = self.plugins.loaded_for.as_ref().map_or(requires.is_empty(), |there| there == requires);
+        if same {
+            return;
+        }
+        self.registry = Arc::new(tenon_nodes::registry());
+        self.catalog = Catalog::new(&self.registry);
+        self.plugins.found = Found::default();
+        self.plugins.loaded_for = Some(requires.clone());
+        self.plugins.load(named(requires.keys()), self.wake.clone());
+    }
+
+    /// Takes plugins that are loaded by now; true if there were any, or some that were refused.
+    pub(super) fn take_plugins(&mut self) -> bool {
+        let Some(loaded) = self.plugins.come() else { return false };
+        match (loaded, self.plugins.next.take()) {
+            (Err(why), next) => {
+                self.message = Some(why);
+                next.into_iter().for_each(|what| self.plugins.load(what, self.wake.clone()));
+            }
+            (Ok(loaded), next) => {
+                let refused = loaded.found.refused.first();
+                self.message = refused.map(|r| Diagnostic::error("bad-plugin", r.to_string())).or(self.message.take());
+                match next {
+                    Some(what) => self.plugins.load(what, self.wake.clone()),
+                    None => self.take_types(loaded),
+                }
+            }
+        }
+        true
+    }
+
+    /// Takes other node types for the graph that is open.
+    fn take_types(&mut self, loaded: Loaded) {
+        self.registry = Arc::new(loaded.registry);
+        self.catalog = loaded.catalog;
+        self.plugins.found = loaded.found;
+        // Nodes that were kept byte for byte are written as all others are from now on.
+        if let Ok(saved) = Document::from_slice(self.saved.0.as_bytes()) {
+            self.saved.0 = saved.to_string_canonical_for(&self.registry);
+        }
+        // Steps that can be taken back speak of the nodes as they are.
+        if self.history.steps() == (0, 0) {
+            self.document.migrate(&self.registry);
+        }
+        self.catalog_for_here();
         self.revision += 1;
         self.shown = Vec::new();
         self.show();
         self.worker.open(self.registry.clone(), self.document.clone(), self.host());
-        wrong.into_iter().next().map_or(Ok(()), Err)
     }
+}
 
-    /// Takes the node types that there are for a graph with such requirements.
-    pub(super) fn load_for(&mut self, requires: &BTreeMap<String, Json>) -> Vec<Diagnostic> {
-        let (registry, wrong) = self.plugins.load(requires);
-        self.registry = Arc::new(registry);
-        self.catalog = Catalog::new(&self.registry);
-        self.plugins.loaded_for = Some(requires.clone());
-        wrong
-    }
-
-    /// The same, unless they are taken for just these already.
-    pub(super) fn load_if_others(&mut self, requires: &BTreeMap<String, Json>) {
-        let same = self.plugins.loaded_for.as_ref().map_or(requires.is_empty(), |there| there == requires);
-        if !same {
-            self.message = self.load_for(requires).into_iter().next().or(self.message.take());
-        }
-    }
+/// What is loaded, in words.
+fn named(names: impl Iterator<Item = impl AsRef<str>>) -> String {
+    let names = names.fold(String::new(), |all, name| match all.is_empty() {
+        true => name.as_ref().to_owned(),
+        false => format!("{all}, {}", name.as_ref()),
+    });
+    if names.is_empty() { "plugins".to_owned() } else { names }
 }

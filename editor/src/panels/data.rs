@@ -1,14 +1,22 @@
 //! The value at any port as a table, one row per item, or as a tree whose branches open and close; only rows that are seen
-//! are made. Statistics of numbers; copy as CSV. What takes as long as there are items is done beside the window.
+//! are made. Statistics of numbers; copy as CSV. What takes as long as there are items is done beside the window, and only
+//! when the value has changed.
 
 use crate::model::Model;
 use crate::model::arrives::Arriving;
 use crate::model::beside::Beside;
 use crate::model::catalog::PortInfo;
-use eframe::egui::{Button, ComboBox, RichText, ScrollArea, TextStyle, Ui, WidgetInfo, WidgetType};
+use crate::model::words::words;
+use eframe::egui::{Button, ComboBox, Context, RichText, ScrollArea, TextStyle, Ui, WidgetInfo, WidgetType};
 use std::fmt::Write as _;
 use std::sync::Arc;
-use tenon_engine::{Column, Tree};
+use tenon_engine::{Column, Json, Text, Tree};
+
+/// Most letters of an item that a row shows.
+const LETTERS: usize = 2000;
+
+/// What is seen of a value: what is told of it, none if there is no value, or why there cannot be any.
+type Made = Result<Option<Seen>, String>;
 
 /// What is shown.
 #[derive(Default)]
@@ -17,7 +25,7 @@ pub struct DataView {
     port: Option<(String, bool)>,
     /// Branches stand under their paths.
     as_tree: bool,
-    seen: Beside<Option<Seen>>,
+    seen: Beside<Made>,
     /// The port that it is of: while a value changes, the one before is shown.
     seen_at: Option<(String, bool)>,
     /// The rows of the tree, by the digest of the value that they are of.
@@ -25,6 +33,8 @@ pub struct DataView {
     /// What is being made into a table for the clipboard.
     copying: Option<Tree>,
     csv: Beside<String>,
+    /// What was to be copied last could not be made into a table.
+    not_copied: bool,
 }
 
 /// A value with what is told of it.
@@ -101,20 +111,43 @@ fn statistics(tree: &Tree) -> Option<Statistics> {
     (s.count > 0).then_some(s)
 }
 
-/// A text as a field of a CSV file.
+/// A text as a field of a CSV file. One that is empty is none that is not there.
 fn field(text: &str) -> String {
-    let plain = !text.contains([',', '"', '\n', '\r']);
+    let plain = !text.is_empty() && !text.contains([',', '"', '\n', '\r']);
     if plain { text.to_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
 }
 
-/// Path, index and item of all items, as a table with a head. O(items).
+/// A number as it is; one that JSON lacks stands there as a text.
+fn figure(json: &Json) -> String {
+    json.as_str().map_or_else(|| json.to_string(), str::to_owned)
+}
+
+/// The whole item as a field, a text as it is and everything else as its JSON; of a gap nothing.
+fn cell(column: &Column, i: usize) -> String {
+    match column.get::<Text>(i) {
+        Some(text) => field(&text.0),
+        None if column.is_valid(i) => field(&figure(&column.item_json(i))),
+        None => String::new(),
+    }
+}
+
+/// The coordinates of an item as three fields.
+fn coordinates(column: &Column, i: usize) -> String {
+    let json = column.item_json(i);
+    [0, 1, 2].map(|k| json.get(k).map(figure).unwrap_or_default()).join(",")
+}
+
+/// Path, index and item of all items, as a table with a head; points have a column for each coordinate. O(items).
 #[must_use]
 pub fn csv(tree: &Tree) -> String {
-    let mut text = format!("path,index,{}\n", tree.type_name());
+    let is_point = |column: &Column| matches!(column.type_name(), "point" | "vector");
+    let points = !tree.branches().is_empty() && tree.branches().iter().all(|(_, column)| is_point(column));
+    let cell = if points { coordinates } else { cell };
+    let mut text = format!("path,index,{}\n", if points { "x,y,z" } else { tree.type_name() });
     for (path, column) in tree.branches() {
+        let path = field(&path.to_string());
         for i in 0..column.len() {
-            let item = if column.is_valid(i) { field(&column.summary(i)) } else { String::new() };
-            let _ = writeln!(text, "{},{i},{item}", field(&path.to_string()));
+            let _ = writeln!(text, "{path},{i},{}", cell(column, i));
         }
     }
     text
@@ -137,11 +170,12 @@ impl DataView {
 
     /// Shows the values at the selected node's ports.
     pub fn show(&mut self, ui: &mut Ui, model: &Model) {
-        self.copy(ui);
+        self.copy(ui.ctx());
         let chosen = model.selection.iter().next().filter(|_| model.selection.len() == 1);
         let node = chosen.and_then(|id| Some((id, model.document().nodes().get(id)?)));
         let Some((id, node)) = node else {
             ui.weak("Select one node to see what it gives and takes.");
+            self.look_away();
             return;
         };
         let info = model.catalog.of(node);
@@ -159,9 +193,12 @@ impl DataView {
         }
         let there = match port.1 {
             true => port.0.split_once('.').and_then(|(_, name)| model.arriving(id, name)),
-            false => model.value(&port.0).map(Arriving::from),
+            false => model.value(&port.0).cloned().map(Arriving::Value),
         };
-        let seen = there.as_ref().and_then(|there| self.seen_of(ui, there));
+        if there.is_none() {
+            self.look_away();
+        }
+        let seen = there.clone().and_then(|there| self.seen_of(ui, model, there));
         let words =
             |(address, input): &(String, bool)| if *input { format!("into {address}") } else { address.clone() };
         ui.horizontal_wrapped(|ui| {
@@ -174,37 +211,57 @@ impl DataView {
             });
             let label = || WidgetInfo::labeled(WidgetType::ComboBox, true, "port that is shown");
             shown.response.widget_info(label);
-            if let Some(seen) = seen.as_deref().and_then(Option::as_ref) {
+            if let Some(Ok(Some(seen))) = seen.as_deref() {
                 self.head(ui, seen);
             }
         });
         // Each view of each port has a scroll bar of its own.
         ui.push_id((&port, self.as_tree), |ui| match (there, seen.as_deref()) {
-            (None, _) => drop(ui.weak("There is no value yet.")),
+            (None, _) | (_, Some(Ok(None))) => drop(ui.weak("There is no value yet.")),
+            (_, None) if self.seen.failed() => drop(ui.weak("The value could not be read.")),
             (_, None) => drop(ui.weak("The value is being read …")),
-            (_, Some(None)) => drop(ui.weak("What the wires bring is of several types.")),
-            (_, Some(Some(seen))) if self.as_tree => self.branches(ui, &seen.tree),
-            (_, Some(Some(seen))) => table(ui, seen),
+            (_, Some(Err(why))) => drop(ui.weak(why)),
+            (_, Some(Ok(Some(seen)))) if self.as_tree => self.branches(ui, &seen.tree),
+            (_, Some(Ok(Some(seen)))) => table(ui, seen),
         });
     }
 
     /// What is shown of a value; none while the first is being made.
-    fn seen_of(&mut self, ui: &Ui, there: &Arriving) -> Option<Arc<Option<Seen>>> {
-        let (ctx, made_of) = (ui.ctx().clone(), there.clone());
-        self.seen.want(there.key(), move || ctx.request_repaint(), move || made_of.value().map(Seen::new));
-        self.seen.last().cloned()
+    fn seen_of(&mut self, ui: &Ui, model: &Model, there: Arriving) -> Option<Arc<Made>> {
+        let (ctx, key) = (ui.ctx().clone(), there.key());
+        let maker = || {
+            let make = model.make(there);
+            move || make().map(|tree| tree.map(Seen::new))
+        };
+        self.seen.want_by(key, move || ctx.request_repaint(), maker);
+        self.seen.last().filter(|_| !self.seen.failed()).cloned()
     }
 
     /// Gives the clipboard the table that was asked for, once it is made.
-    fn copy(&mut self, ui: &Ui) {
+    fn copy(&mut self, ctx: &Context) {
         let Some(tree) = self.copying.clone() else { return };
-        let ctx = ui.ctx().clone();
-        self.csv.want(tree.digest(), move || ctx.request_repaint(), move || csv(&tree));
+        let wake = ctx.clone();
+        self.csv.want(tree.digest(), move || wake.request_repaint(), move || csv(&tree));
+        self.not_copied = self.csv.failed();
         if let Some(text) = self.csv.now() {
-            ui.ctx().copy_text(text.to_string());
-            self.csv.forget();
-            self.copying = None;
+            ctx.copy_text(text.to_string());
+        } else if !self.not_copied {
+            return;
         }
+        self.csv.forget();
+        self.copying = None;
+    }
+
+    /// Gives up all that is being made, because nobody looks.
+    pub fn close(&mut self) {
+        self.look_away();
+        self.csv.forget();
+        self.copying = None;
+    }
+
+    fn look_away(&mut self) {
+        self.seen.forget();
+        self.seen_at = None;
     }
 
     /// How the value is shown, and what is told of all of it.
@@ -214,7 +271,11 @@ impl DataView {
         ui.selectable_value(&mut self.as_tree, true, "Tree");
         if ui.add_enabled(self.copying.is_none(), Button::new("Copy as CSV")).clicked() {
             self.copying = Some(tree.clone());
+            self.not_copied = false;
             ui.ctx().request_repaint();
+        }
+        if self.not_copied {
+            ui.weak("nothing was copied: the table could not be made");
         }
         let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
         let branches = count(tree.branches().len(), "branch", "branches");
@@ -277,10 +338,9 @@ fn table(ui: &mut Ui, seen: &Seen) {
     });
 }
 
-/// An item behind what says which it is, as much of it as anybody reads.
+/// An item behind what says which it is.
 fn line(which: &str, column: &Column, i: usize) -> String {
-    let item = if column.is_valid(i) { column.summary(i) } else { "(nothing)".to_owned() };
-    format!("{which}  {item}").chars().take(400).collect()
+    format!("{which}  {}", words(column, i, LETTERS))
 }
 
 #[cfg(test)]
@@ -300,6 +360,49 @@ mod tests {
         assert_eq!((0..4).filter_map(|row| seen.rows.find(row)).collect::<Vec<_>>(), [(0, 0), (0, 1), (1, 0), (1, 1)]);
         assert_eq!(field("a \"b\", c"), "\"a \"\"b\"\", c\"");
     }
+
+    #[test]
+    fn tables_hold_whole_values() {
+        let long = format!("{}, \"so\"\n", "a".repeat(200));
+        let texts = vec![Text::from("oak"), Text::from(""), Text::from(long.as_str())];
+        let quoted = long.replace('"', "\"\"");
+        assert_eq!(
+            csv(&Tree::list(texts)),
+            format!("path,index,text\n{{0}},0,oak\n{{0}},1,\"\"\n{{0}},2,\"{quoted}\"\n")
+        );
+        let figures = [0.1 + 0.2, f64::MAX, f64::NAN];
+        let table = csv(&Tree::list(figures.to_vec()));
+        let read: Vec<f64> = table.lines().skip(1).map(|l| l.split(',').nth(2).unwrap().parse().unwrap()).collect();
+        assert_eq!(read[..2], figures[..2]);
+        assert!(read[2].is_nan());
+        let point = tenon_nodes::value::Point(tenon_geometry::DVec3::new(0.1 + 0.2, -1.0, 1e-7));
+        let points = Tree::column(Column::with_gaps(vec![Some(point), None]));
+        assert_eq!(csv(&points), "path,index,x,y,z\n{0},0,0.30000000000000004,-1.0,1e-7\n{0},1,,,\n");
+        let file = tenon_engine::File { name: "a.nc".into(), bytes: vec![0; 3].into(), withheld: None };
+        assert!(csv(&Tree::item(file)).contains("\"\"withheld\"\":null"), "the whole JSON");
+    }
+
+    #[test]
+    fn a_table_that_cannot_be_made_leaves_the_button() {
+        /// What cannot be written.
+        #[derive(Clone, Default)]
+        struct Nothing;
+        impl tenon_engine::Item for Nothing {
+            const TYPE: &'static str = "nothing of the kind";
+            fn digest(&self, _: &mut tenon_engine::Digester) {}
+            fn to_json(&self) -> Json {
+                panic!("on purpose")
+            }
+        }
+        let mut view = DataView { copying: Some(Tree::item(Nothing)), ..DataView::default() };
+        let start = std::time::Instant::now();
+        while !view.settled() {
+            assert!(start.elapsed().as_secs() < 20, "it is never given up");
+            view.copy(&Context::default());
+        }
+        assert!(view.not_copied && view.copying.is_none());
+    }
+
     #[test]
     fn an_open_branch_has_its_items_below_it_and_an_empty_one_has_none() {
         let branches = [2_usize, 0, 1].into_iter().enumerate();

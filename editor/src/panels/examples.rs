@@ -1,5 +1,6 @@
 //! In which of the example graphs a node is used, and what it stands among there: to be opened, or put into the graph.
 
+use crate::model::beside::Beside;
 use crate::model::file;
 use eframe::egui::{CollapsingHeader, Ui};
 use std::collections::BTreeMap;
@@ -40,10 +41,13 @@ struct Place {
     nodes: usize,
 }
 
-/// Where nodes of each type are used; read when it is first asked for.
+/// Where nodes of each type are used.
+type Places = BTreeMap<String, Vec<Place>>;
+
+/// The same, read beside the window when it is first asked for.
 #[derive(Default)]
 pub struct Examples {
-    found: Option<BTreeMap<String, Vec<Place>>>,
+    found: Beside<Places>,
 }
 
 impl Place {
@@ -60,8 +64,8 @@ fn inside(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
 }
 
 /// The graphs in the folders of a folder: one by one, or many small ones together.
-fn read(folder: Option<PathBuf>) -> BTreeMap<String, Vec<Place>> {
-    let mut found: BTreeMap<String, Vec<Place>> = BTreeMap::new();
+fn read(folder: Option<PathBuf>) -> Places {
+    let mut found = Places::new();
     let is_graph = |p: &PathBuf| p.to_str().is_some_and(|p| p.ends_with(file::ENDING));
     for path in folder.iter().flat_map(|f| inside(f)).flat_map(|f| inside(&f)).filter(is_graph) {
         let Ok((document, _)) = file::load(&path) else { continue };
@@ -94,12 +98,32 @@ fn piece(place: &Place) -> Option<Document> {
 }
 
 impl Examples {
+    /// Takes what was read.
+    pub fn poll(&mut self) {
+        self.found.poll();
+    }
+
+    /// Whether nothing is being read.
+    #[must_use]
+    pub fn settled(&self) -> bool {
+        self.found.settled()
+    }
+
     /// Offers the examples of a type; gives what was chosen.
     pub fn show(&mut self, ui: &mut Ui, type_name: &str) -> Option<Shown> {
         let mut chosen = None;
         let header = CollapsingHeader::new("Examples").id_salt("examples of a node").default_open(false);
         header.show(ui, |ui| {
-            let found = self.found.get_or_insert_with(|| read(folder()));
+            let ctx = ui.ctx().clone();
+            self.found.want(0, move || ctx.request_repaint(), || read(folder()));
+            if self.found.failed() {
+                ui.weak("The example graphs could not be read.");
+                return;
+            }
+            let Some(found) = self.found.now() else {
+                ui.weak("The example graphs are being read …");
+                return;
+            };
             let all = found.get(type_name).map_or(&[][..], Vec::as_slice);
             if all.is_empty() {
                 ui.weak("None of the example graphs uses it.");

@@ -6,8 +6,8 @@ use crate::model::catalog::{PortInfo, TypeInfo};
 use crate::model::param::{self, Widget, number, widget};
 use crate::theme::Theme;
 use eframe::egui::{
-    self, Checkbox, ComboBox, DragValue, Grid, Id, RichText, ScrollArea, Slider, SliderClamping, TextEdit, Ui,
-    WidgetInfo, WidgetType,
+    self, Checkbox, ComboBox, Grid, Id, RichText, ScrollArea, Slider, SliderClamping, TextEdit, Ui, WidgetInfo,
+    WidgetType,
 };
 use tenon_engine::{Json, Operation};
 
@@ -150,13 +150,13 @@ fn edit(
                     && value != s.value
                     && (response.dragged() || response.has_focus() || response.clicked())
                 {
-                    new = Some(Some(number((value * 1e6).round() / 1e6)));
+                    new = Some(Some(number(param::slid(value))));
                 }
             }
             Widget::Number { value, integer } => {
                 let mut value = *value;
                 let speed = if *integer { 0.2 } else { param::round_step(value.abs().max(1.0) / 100.0) };
-                let mut field = DragValue::new(&mut value)
+                let mut field = super::figure(&mut value)
                     .clamp_existing_to_range(false)
                     .speed(speed)
                     .suffix(&unit)

@@ -63,6 +63,13 @@ impl Lower {
         self.tab = if self.tab == Some(tab) { None } else { Some(tab) };
     }
 
+    /// What is made only for who looks at it is given up, if nobody does.
+    pub fn rest(&mut self) {
+        if self.tab != Some(Tab::Data) {
+            self.data.close();
+        }
+    }
+
     /// Whether nothing is being made to be shown.
     #[must_use]
     pub fn settled(&self) -> bool {

@@ -4,6 +4,7 @@
 use crate::model::Model;
 use crate::model::catalog::PortInfo;
 use crate::model::param::number;
+use crate::panels::figure;
 use crate::panels::plan::{Drawn, Plan};
 use crate::scene::Drawing;
 use eframe::egui::{Button, DragValue, Key, Rect, Response, ScrollArea, TextEdit, Ui, WidgetInfo, WidgetType, Window};
@@ -62,6 +63,8 @@ pub struct Table {
     /// A value is being turned or typed, or a point dragged, which is one step.
     turning: bool,
     plan: Plan,
+    /// How wide the fields of each column are: three coordinates, or a number, and a weight.
+    widths: [f32; 4],
 }
 
 /// What is done with the rows.
@@ -80,7 +83,7 @@ impl Table {
     /// Opens the table of an input.
     #[must_use]
     pub fn new(node: String, port: PortInfo) -> Self {
-        Self { node, port, turning: false, plan: Plan::default() }
+        Self { node, port, turning: false, plan: Plan::default(), widths: [0.0; 4] }
     }
 
     /// Shows it in a window of its own; false once it is closed.
@@ -123,12 +126,13 @@ impl Table {
                 let Some(item) = list.get(i) else { continue };
                 ui.horizontal(|ui| {
                     ui.monospace(format!("{:>3}", i + 1));
-                    let (new, turned) = cells(ui, row, i, item, &self.port.unit);
+                    let (new, turned) = cells(ui, row, i, item, &self.port.unit, &mut self.widths[..3]);
                     busy |= turned;
                     change = new.map(|v| Change::Set(i, v)).or(change.take());
                     if let Some(w) = weights.as_ref().and_then(|w| w.get(i)) {
                         let mut w = *w;
-                        let field = ui.add(DragValue::new(&mut w).speed(0.01).range(1e-6..=1e6).prefix("w "));
+                        let field =
+                            column(ui, &mut self.widths[3], figure(&mut w).speed(0.01).range(1e-6..=1e6).prefix("w "));
                         named(&field, format!("weight of {}", i + 1));
                         busy |= field.dragged() || field.has_focus();
                         if field.changed() {
@@ -222,18 +226,32 @@ impl Table {
     }
 }
 
+/// A field in a column: as wide as the widest that was seen there, so that those below each other begin and end alike.
+fn column(ui: &mut Ui, width: &mut f32, field: DragValue<'_>) -> Response {
+    let shown = ui.scope(|ui| {
+        ui.spacing_mut().interact_size.x = width.max(ui.spacing().interact_size.x);
+        ui.add(field)
+    });
+    // While it is typed in it is as wide as its text, which is not yet a figure.
+    if !shown.inner.has_focus() {
+        *width = width.max(shown.inner.rect.width());
+    }
+    shown.inner
+}
+
 fn named(response: &Response, name: String) {
     response.widget_info(|| WidgetInfo::labeled(WidgetType::DragValue, true, &name));
 }
 
 /// The fields of a row; gives its new value if it has one, and whether it is being turned or typed.
-fn cells(ui: &mut Ui, row: Row, i: usize, item: &Json, unit: &str) -> (Option<Json>, bool) {
+fn cells(ui: &mut Ui, row: Row, i: usize, item: &Json, unit: &str, widths: &mut [f32]) -> (Option<Json>, bool) {
     let (mut new, mut busy) = (None, false);
     match row {
         Row::Point => {
             let mut p = coordinates(item);
-            for (axis, slot) in ["x", "y", "z"].into_iter().zip(&mut p) {
-                let field = ui.add(DragValue::new(slot).speed(1.0).max_decimals(3).prefix(format!("{axis} ")));
+            for ((axis, slot), width) in ["x", "y", "z"].into_iter().zip(&mut p).zip(widths) {
+                let field = figure(slot).speed(1.0).max_decimals(3).prefix(format!("{axis} "));
+                let field = column(ui, width, field);
                 named(&field, format!("{axis} of {}", i + 1));
                 busy |= field.dragged() || field.has_focus();
                 if field.changed() {
@@ -245,9 +263,9 @@ fn cells(ui: &mut Ui, row: Row, i: usize, item: &Json, unit: &str) -> (Option<Js
         Row::Number | Row::Integer => {
             let mut v = item.as_f64().unwrap_or_default();
             let whole = row == Row::Integer;
+            let field = figure(&mut v).max_decimals(if whole { 0 } else { 6 }).speed(if whole { 0.2 } else { 0.1 });
             let field =
-                DragValue::new(&mut v).max_decimals(if whole { 0 } else { 6 }).speed(if whole { 0.2 } else { 0.1 });
-            let field = ui.add(if unit.is_empty() { field } else { field.suffix(format!(" {unit}")) });
+                column(ui, &mut widths[0], if unit.is_empty() { field } else { field.suffix(format!(" {unit}")) });
             named(&field, format!("value {}", i + 1));
             (field.changed().then(|| number(v)), field.dragged() || field.has_focus())
         }

@@ -4,6 +4,7 @@ use super::Camera;
 use super::section::Clip;
 use crate::model::Model;
 use crate::model::handle::{Handle, Place, set_weight, weight};
+use crate::panels::figure;
 use crate::theme::Theme;
 use eframe::egui::{
     Area, Color32, DragValue, Frame, Id, Key, Order, Pos2, Rect, Sense, Stroke, Ui, WidgetInfo, WidgetType, vec2,
@@ -243,7 +244,7 @@ impl Hand {
                         ui.label(handle.label());
                         let mut settled = true;
                         for (axis, value) in ["x", "y", "z"].into_iter().zip([&mut to.x, &mut to.y, &mut to.z]) {
-                            let field = DragValue::new(value)
+                            let field = figure(value)
                                 .speed(1.0)
                                 .max_decimals(2)
                                 .update_while_editing(false)

@@ -6,7 +6,7 @@ use super::gpu::Picture;
 use crate::model::Model;
 use crate::model::beside::Beside;
 use crate::model::file::name_in;
-use crate::panels::step_around;
+use crate::panels::{figure, step_around};
 use crate::scene::{self, Drawing, Kind, Part, Vertex};
 use crate::theme::Theme;
 use eframe::egui::{Button, Context, DragValue, Response, Ui, WidgetInfo, WidgetType};
@@ -261,17 +261,17 @@ impl Viewport {
         };
         ui.horizontal(|ui| {
             for (axis, value) in ["x", "y", "z"].into_iter().zip([&mut r.at.x, &mut r.at.y, &mut r.at.z]) {
-                number(ui, axis, DragValue::new(value).speed(10.0).max_decimals(1).prefix(format!("{axis} ")));
+                number(ui, axis, figure(value).speed(10.0).max_decimals(1).prefix(format!("{axis} ")));
             }
         });
         ui.horizontal(|ui| {
             let mesh = is_mesh(&r.file);
-            let scale = DragValue::new(&mut r.scale).range(1e-6..=1e7).max_decimals(3);
+            let scale = figure(&mut r.scale).range(1e-6..=1e7).max_decimals(3);
             match mesh {
                 true => number(ui, "scale", scale.speed(0.01).suffix(" times")),
                 false => number(ui, "width", scale.speed(10.0).prefix("width ").suffix(" mm")),
             };
-            let turn = DragValue::new(&mut r.turn).speed(1.0).max_decimals(1).suffix("°");
+            let turn = figure(&mut r.turn).speed(1.0).max_decimals(1).suffix("°");
             number(ui, "turn", turn).on_hover_text("turned about Z");
             if !mesh {
                 ui.checkbox(&mut r.upright, "upright");

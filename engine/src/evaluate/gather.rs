@@ -108,12 +108,16 @@ pub(crate) fn tree<'a>(
         let tree = values[*source as usize].tree().ok_or_else(gone)?;
         convert(tree, port, registry, reports)
     };
-    let mut tree = match sources {
+    let tree = match sources {
         [] => return Ok(None),
         [one] => arrive(one)?,
         many if let Some(numbers) = numbers(many, port, values) => Cow::Owned(numbers),
         many => Cow::Owned(merge(&many.iter().map(arrive).collect::<Result<Vec<_>, Fail>>()?, port)?),
     };
+    Ok(Some(shaped(tree, shape)))
+}
+
+fn shaped<'a>(mut tree: Cow<'a, Tree>, shape: &[TreeOp]) -> Cow<'a, Tree> {
     for op in shape {
         tree = Cow::Owned(match op {
             TreeOp::Graft => tree.graft(),
@@ -122,7 +126,26 @@ pub(crate) fn tree<'a>(
             TreeOp::Reverse => tree.reverse(),
         });
     }
-    Ok(Some(tree))
+    tree
+}
+
+impl Registry {
+    /// What a node sees at a port to which wires bring these values, in their order: each converted to what the port takes,
+    /// joined branch by branch and shaped, as in an evaluation. Items that cannot be converted are gaps. O(1) for one
+    /// wire that brings what the port takes and is not shaped, else O(items).
+    ///
+    /// # Errors
+    /// Says what came in and cannot be taken, or cannot be joined.
+    pub fn arriving(&self, port: &Port, trees: &[Tree], shape: &[TreeOp]) -> Result<Tree, Fail> {
+        let mut told = Vec::new();
+        let mut arrive = |tree| convert(tree, port, self, &mut told);
+        let tree = match trees {
+            [] => return Ok(Tree::default()),
+            [one] => arrive(one)?,
+            many => Cow::Owned(merge(&many.iter().map(arrive).collect::<Result<Vec<_>, Fail>>()?, port)?),
+        };
+        Ok(shaped(tree, shape).into_owned())
+    }
 }
 
 /// What a bypassed node gives at each output: the first input of the same type that comes in by wire and was not passed

@@ -202,9 +202,13 @@ impl Column {
     /// A list of the items' JSON, `null` at gaps.
     #[must_use]
     pub fn to_json(&self) -> Json {
-        Json::Array(
-            (0..self.len()).map(|i| if self.is_valid(i) { self.data().item_json(i) } else { Json::Null }).collect(),
-        )
+        Json::Array((0..self.len()).map(|i| self.item_json(i)).collect())
+    }
+
+    /// The JSON of item `i`; `null` for a gap and past the end.
+    #[must_use]
+    pub fn item_json(&self, i: usize) -> Json {
+        if self.is_valid(i) { self.data().item_json(i) } else { Json::Null }
     }
 
     /// One line about item `i` for people; empty for a gap.

@@ -6,7 +6,7 @@ mod search;
 mod sources;
 mod wanted;
 
-pub use search::{Found, VARIABLE, folders, load_all, user_folder};
+pub use search::{Found, VARIABLE, folders, load_all, load_willing, user_folder};
 pub use sources::Sources;
 use std::path::Path;
 use std::sync::Arc;

@@ -66,8 +66,8 @@ pub fn load_all(
     Ok(found)
 }
 
-/// The same where named libraries that are refused are only told, too.
-pub(super) fn load_willing(registry: &mut Registry, named: &[PathBuf], folders: &[PathBuf], wanted: &Wanted) -> Found {
+/// The same where named libraries that are refused are only told, too, before those in folders.
+pub fn load_willing(registry: &mut Registry, named: &[PathBuf], folders: &[PathBuf], wanted: &Wanted) -> Found {
     let mut found = Found::default();
     let libraries = folders.iter().flat_map(|folder| libraries(folder));
     found.search(registry, named.iter().cloned().chain(libraries), wanted);

@@ -261,4 +261,9 @@ static const tenon_plugin plugin = {TENON_PLUGIN_MAGIC, sizeof(tenon_plugin), TE
                                     TEXT("Misbehaves on purpose."), nodes, COUNT(nodes), sizeof(tenon_node_type), NULL};
 
 TENON_EXPORT const tenon_plugin *tenon_plugin_v1(void);
-const tenon_plugin *tenon_plugin_v1(void) { return &plugin; }
+const tenon_plugin *tenon_plugin_v1(void) {
+#ifdef LATE /* So many seconds pass before it says who it is. */
+    sleep(LATE);
+#endif
+    return &plugin;
+}
