@@ -173,7 +173,7 @@ fn faults() {
     let mut w = window(Some(&faulty_shell()));
     w.app().side = Side::Boards;
     choose(&mut w, "prove");
-    let first = w.app().boards.player.faults.iter().find(|f| f.board == 0 && f.line.is_some()).cloned();
+    let first = w.app().boards.player.faults.of(0).find(|f| f.line.is_some()).cloned();
     let (line, at) = first.and_then(|f| f.line.zip(f.at)).unwrap();
     let time = w.app().boards.plays()[0].time_of(line).unwrap();
     w.app().boards.player.go_to(time);

@@ -1,11 +1,13 @@
 //! Boards, player and tables of the shell.
 
 use crate::common::{Window, example, folder, like, middle, pixels, places, rgb, root, small_shell};
+use eframe::egui::accesskit::Toggled;
 use eframe::egui::{Key, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use image::RgbaImage;
 use serde_json::json;
 use tenon_editor::app::Side;
+use tenon_engine::Operation;
 
 #[test]
 fn the_boards_are_seen_and_the_tool_moves_through_them() {
@@ -255,10 +257,7 @@ fn a_collision_is_crossed_ticked_listed_and_its_tool_is_red() {
         nodes["clamped"] = json!({ "type": "machine", "v": 1, "params": { "path": "clamped.json" } });
         nodes["prove"]["inputs"]["machine"] = json!({ "from": ["clamped.machine"] });
     });
-    let machine = std::fs::read_to_string(root().join("nodes/machines/maka-mm7s.json")).unwrap();
-    let mut machine: serde_json::Value = serde_json::from_str(&machine).unwrap();
-    machine["clamps"] = json!([{ "name": "stop", "min": [200, 100, 0], "max": [330, 160, 40] }]);
-    std::fs::write(graph.with_file_name("clamped.json"), machine.to_string()).unwrap();
+    clamp(&graph);
     let sound = small_shell("sound", |_| ());
     let red = |p: [i32; 3]| like(p, ERROR);
     let ticks = |w: &Window, picture: &RgbaImage| {
@@ -303,6 +302,147 @@ fn a_collision_is_crossed_ticked_listed_and_its_tool_is_red() {
     go_to(&mut w, 0.95);
     let elsewhere = reds(&mut w, "struck-in-space-later");
     assert!(there > 40 && elsewhere == 0, "{there} red pixels there, {elsewhere} later");
+    // One that is chosen in space is looked at there.
+    w.click(w.rect_containing(" faults").center());
+    w.tap(&words);
+    w.settle();
+    let (area, picture) = (w.rect("board in space"), w.picture("struck-looked-at"));
+    let near = Rect::from_center_size(area.center(), vec2(60.0, 60.0));
+    let struck = pixels(&picture, near, |p| p[0] > 60 && p[0] > 4 * p[1] && p[0] > 4 * p[2]);
+    assert!(struck > 400, "the tool is {struck} red pixels in the middle");
+    // Seen from above afterwards, nothing moves.
+    w.key(Modifiers::NONE, Key::Escape);
+    w.click(w.rect("In space").center());
+    w.hover(w.rect("boards").center());
+    w.key(Modifiers::NONE, Key::F);
+    let whole = w.rect("board 1");
+    w.click(w.rect("In space").center());
+    w.click(w.rect_containing(" faults").center());
+    w.tap(&words);
+    w.click(w.rect("In space").center());
+    w.settle();
+    assert_eq!(w.rect("board 1"), whole);
+}
+
+/// A machine with a clamp where parts are cut, written beside a graph.
+fn clamp(graph: &std::path::Path) {
+    let machine = std::fs::read_to_string(root().join("nodes/machines/maka-mm7s.json")).unwrap();
+    let mut machine: serde_json::Value = serde_json::from_str(&machine).unwrap();
+    machine["clamps"] = json!([{ "name": "stop", "min": [200, 100, 0], "max": [330, 160, 40] }]);
+    std::fs::write(graph.with_file_name("clamped.json"), machine.to_string()).unwrap();
+}
+
+#[test]
+fn programs_and_faults_are_those_of_the_layout_that_is_shown() {
+    // One layout with programs that strike a clamp, one whose programs are sound, one without any.
+    let graph = small_shell("chains", |nodes| {
+        for (node, of) in [("pack_b", "pack"), ("post_b", "post"), ("prove_b", "prove"), ("pack_c", "pack")] {
+            nodes[node] = nodes[of].clone();
+        }
+        nodes["pack_b"]["params"]["margin"] = 20.into();
+        nodes["post_b"]["inputs"]["layout"] = json!({ "from": ["pack_b.layout"] });
+        nodes["prove_b"]["inputs"]["layout"] = json!({ "from": ["pack_b.layout"] });
+        nodes["prove_b"]["inputs"]["programs"] = json!({ "from": ["post_b.programs"] });
+        nodes["clamped"] = json!({ "type": "machine", "v": 1, "params": { "path": "clamped.json" } });
+        nodes["prove"]["inputs"]["machine"] = json!({ "from": ["clamped.machine"] });
+    });
+    clamp(&graph);
+    let mut w = Window::sized(Some(&graph), vec2(1920.0, 900.0));
+    boards_of(&mut w);
+    let mut crosses = Vec::new();
+    for (node, proven, struck) in [("pack", false, true), ("pack_b", true, false), ("pack_c", false, false)] {
+        w.click(w.rect(&format!("node {node}")).center());
+        w.settle();
+        let (area, picture) = (w.rect("board 1"), w.picture(&format!("chain-{node}")));
+        crosses.push(pixels(&picture, area, |p| like(p, ERROR)));
+        assert_eq!((w.has("proven"), w.has("proof failed")), (proven, struck), "{node}");
+        assert_eq!(w.has_containing(" faults"), struck, "{node}");
+        assert_eq!(w.has("Play"), node != "pack_c", "{node}");
+    }
+    assert!(crosses[0] > 60 && crosses[1..] == [0, 0], "crosses are {crosses:?} pixels");
+}
+
+#[test]
+fn the_picture_of_a_board_that_is_cut_follows_its_programs() {
+    // Only contours, so that much is cut soon.
+    let shell = |name: &str, margin: u32| {
+        small_shell(name, |nodes| {
+            nodes.as_object_mut().unwrap().remove("screws");
+            nodes["map"]["inputs"].as_object_mut().unwrap().remove("features");
+            nodes["map"]["params"] = json!({ "fixing_holes": 0, "address_height": 0 });
+            nodes["pack"]["params"] = json!({ "board_x": 1400, "board_y": 800, "margin": margin });
+        })
+    };
+    let (graph, moved) = (shell("stale", 10), shell("stale-moved", 40));
+    // Far enough for something to be cut, and near enough to be there at once.
+    let cut = |w: &mut Window| {
+        boards_of(w);
+        go_to(w, 0.15);
+    };
+    let mut w = Window::open(Some(&graph));
+    cut(&mut w);
+    let (board, before) = (w.rect("board 1"), w.picture("stale-before"));
+    let set = Operation::SetParam { node: "pack".into(), port: "margin".into(), value: Some(40.into()) };
+    assert!(w.app().model.edit(set));
+    w.settle();
+    let after = w.picture("stale-after");
+    let mut fresh = Window::open(Some(&moved));
+    cut(&mut fresh);
+    assert_eq!(fresh.rect("board 1"), board);
+    let meant = fresh.picture("stale-meant");
+    let differ = |a: &RgbaImage, b: &RgbaImage| places(board).filter(|at| !like(rgb(a, *at), rgb(b, *at))).count();
+    let (moves, stale) = (differ(&before, &meant), differ(&after, &meant));
+    assert!(moves > 2000 && stale < 10, "{moves} pixels change, {stale} are not as they are meant");
+}
+
+/// Seconds as the player shows them.
+fn clock(seconds: f64) -> String {
+    let s = seconds.round() as u64;
+    format!("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+}
+
+#[test]
+fn times_of_boards_and_parts_are_the_sums_of_their_moves_and_the_line_that_runs_is_lit() {
+    let mut w = Window::sized(Some(&small_shell("times", |_| ())), vec2(1600.0, 900.0));
+    let board = boards_of(&mut w);
+    let play = &w.app().boards.plays()[0];
+    let long = |s: &tenon_editor::model::play::Step| s.time[1] - s.time[0];
+    let whole: f64 = play.steps.iter().map(long).sum();
+    let mut parts: std::collections::BTreeMap<String, f64> = Default::default();
+    for step in &play.steps {
+        if let Some((part, _)) = play.part(step) {
+            *parts.entry(part.to_owned()).or_default() += long(step);
+        }
+    }
+    assert_eq!(parts.len(), 16);
+    assert!(w.has(&format!("0:00:00 of {}", clock(whole))));
+    // Over a part stands its own time, and in the list of pieces.
+    w.rest(board.center() + vec2(30.0, 10.0));
+    let told = w.harness.get_by_label_contains(" at the machine").value().unwrap();
+    let address = told.split(':').next().unwrap();
+    assert_eq!(told, format!("{address}: board 1, {} at the machine", clock(parts[address])));
+    w.click(w.first("Pieces").center());
+    w.settle();
+    let sum: f64 = parts.values().sum();
+    assert!(w.has_containing("16 pieces, ") && w.has_containing(&format!(" m², {:.0} min at", sum / 60.0)));
+    w.click(w.rect("×").center());
+    // While it is cut, too; and the line of the program that runs is lit, no other.
+    w.click(w.rect("Program").center());
+    for share in [0.3, 0.7] {
+        go_to(&mut w, share);
+        let (play, now) = w.app().boards.now().unwrap();
+        let step = play.steps[now.step];
+        let (line, text) = (step.line, play.line(step.line as usize).to_owned());
+        let part = play.part(&step).map(|(part, _)| part.to_owned());
+        if let Some(part) = part {
+            assert!(w.has(&format!("part {part}: {} in all", clock(parts[&part]))), "{part}");
+        }
+        // Lines begin with room for their number.
+        let lit = w.harness.get_all_by(|n| n.toggled() == Some(Toggled::True));
+        let lit: Vec<String> = lit.filter_map(|n| n.accesskit_node().label()).filter(|l| l.starts_with(' ')).collect();
+        assert_eq!(lit, [format!("{line:>6}  {text}")]);
+        w.picture(&format!("lit-{share}"));
+    }
 }
 
 #[test]
@@ -318,6 +458,55 @@ fn values_are_tables() {
     w.click(w.rect("time of pack").center());
     assert!(w.app().model.selection.contains("pack"));
     w.picture("profile");
+}
+
+/// Seconds of a duration as it is shown.
+fn seconds(words: &str) -> f64 {
+    let (number, unit) = words.trim().split_once(' ').unwrap();
+    let one = match unit {
+        "s" => 1.0,
+        "ms" => 1e-3,
+        "µs" => 1e-6,
+        _ => panic!("{words}"),
+    };
+    number.parse::<f64>().unwrap() * one
+}
+
+#[test]
+fn the_profile_has_bars_as_long_as_times_and_sums_time_and_memory() {
+    let mut w = Window::open(Some(&small_shell("bars", |_| ())));
+    w.click(w.rect("Profile").center());
+    w.settle();
+    let picture = w.picture("profile-bars");
+    let rows: Vec<(Rect, String, String)> = w
+        .harness
+        .get_all_by_label_contains("time of ")
+        .map(|n| (n.rect(), n.accesskit_node().label().unwrap(), n.value().unwrap()))
+        .collect();
+    let figures = |value: &str| {
+        let (time, bytes) = value.split_once(", ").unwrap();
+        (seconds(time), bytes.to_owned())
+    };
+    let bar = |rect: Rect| {
+        let room = rect.with_min_x(rect.left() + 300.0).with_max_x(rect.right() - 4.0);
+        let row = Rect::from_center_size(room.center(), vec2(room.width(), 1.5));
+        (pixels(&picture, row, |p| like(p, [58, 92, 128])) as f64, f64::from(room.width()))
+    };
+    let most = rows.iter().map(|(_, _, value)| figures(value).0).fold(0.0, f64::max);
+    assert!(rows.len() > 4 && most > 0.0);
+    for (rect, name, value) in &rows {
+        let ((long, room), share) = (bar(*rect), figures(value).0 / most);
+        assert!((long / room - share).abs() < 0.07, "the bar of {name} is {long} of {room}, it took {value}");
+    }
+    // Each row tells its node's own memory, the line above all of it.
+    let results = &w.app().model.results;
+    let bytes = |n: usize| tenon_editor::canvas::bytes(n);
+    let all: usize = results.nodes.values().map(|r| r.bytes).sum();
+    let own: Vec<String> = rows.iter().map(|(_, n, _)| bytes(results.nodes[&n["time of ".len()..]].bytes)).collect();
+    assert!(rows.iter().zip(own).all(|((_, _, value), own)| figures(value).1 == own));
+    let values: usize = results.values.values().map(tenon_engine::Tree::bytes).sum();
+    assert!(all.abs_diff(values) * 10 < values, "{all} bytes are told, values have {values}");
+    assert!(w.has_containing(&format!("results take {}", bytes(all))));
 }
 
 #[test]

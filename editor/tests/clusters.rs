@@ -2,6 +2,7 @@
 
 use crate::common::{Window, example, graph};
 use eframe::egui::{Event, Key, Modifiers, PointerButton, vec2};
+use egui_kittest::kittest::Queryable as _;
 use tenon_engine::Operation;
 
 #[test]
@@ -219,4 +220,76 @@ fn a_problem_inside_a_cluster_is_told_with_its_path_and_leads_to_the_instance() 
     w.key(Modifiers::NONE, Key::Enter);
     w.settle();
     assert!(w.has("Nothing is wrong.") && !w.has("problems of inner"));
+}
+
+#[test]
+fn instances_tell_what_is_inside_them_at_every_level_and_nothing_that_is_gone() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "clusters": {
+    "inner": {
+      "interface": { "version": 1, "outputs": { "n": { "port": "b.numbers" }, "m": { "port": "long.point" } } },
+      "nodes": {
+        "a": { "type": "series", "v": 1, "params": { "count": 400 } },
+        "b": { "type": "series", "v": 1, "params": { "count": 3 } },
+        "long": { "type": "point", "v": 1, "match": "cross",
+                  "inputs": { "x": { "from": ["a.numbers"] }, "y": { "from": ["a.numbers"] } } }
+      }
+    },
+    "outer": {
+      "interface": { "version": 1, "outputs": { "n": { "port": "low.n" }, "m": { "port": "low.m" } } },
+      "nodes": { "low": { "type": "cluster:inner", "v": 1 } }
+    }
+  },
+  "nodes": { "top": { "type": "cluster:outer", "v": 1 } }
+}"#;
+    let mut w = Window::open(Some(&graph("levels", text)));
+    w.click(w.first("Profile").center());
+    w.settle();
+    let state = |w: &Window, node: &str| w.harness.get_by_label(&format!("node {node}")).value().unwrap();
+    let row = |w: &Window, path: &str| w.harness.get_by_label(&format!("time of {path}")).value().unwrap();
+    let enter = |w: &mut Window, node: &str| {
+        let at = w.rect(&format!("node {node}")).center();
+        w.click(at);
+        w.key(Modifiers::NONE, Key::Enter);
+        w.settle();
+    };
+    let out = |w: &mut Window| {
+        w.key(Modifiers::ALT, Key::ArrowLeft);
+        w.settle();
+    };
+    // 160 000 points take megabytes.
+    let whole = row(&w, "top");
+    assert!(whole.contains(" ms, ") && whole.ends_with(" MB"), "{whole}");
+    assert_eq!(state(&w, "top"), whole.split(", ").next().unwrap());
+    enter(&mut w, "top");
+    assert!(row(&w, "top/low").ends_with(" MB"), "{}", row(&w, "top/low"));
+    assert_eq!(state(&w, "low"), row(&w, "top/low").split(", ").next().unwrap());
+    w.picture("instance-inside");
+    enter(&mut w, "low");
+    assert!(row(&w, "top/low/long").ends_with(" MB"));
+    // What is deleted counts no more.
+    w.click(w.rect("node long").center());
+    w.key(Modifiers::NONE, Key::Delete);
+    w.settle();
+    assert!(!w.has("time of top/low/long"));
+    for path in ["top/low", "top"] {
+        out(&mut w);
+        assert!(!row(&w, path).ends_with(" MB"), "{}", row(&w, path));
+    }
+    assert!(!state(&w, "top").is_empty());
+    // What fails inside is told at every level.
+    enter(&mut w, "top");
+    enter(&mut w, "low");
+    w.double_click(w.rect("input b.count").center());
+    w.key(Modifiers::COMMAND, Key::A);
+    w.type_text("-4");
+    w.key(Modifiers::NONE, Key::Enter);
+    w.settle();
+    assert_eq!(state(&w, "b"), "failed");
+    out(&mut w);
+    assert_eq!(state(&w, "low"), "failed");
+    out(&mut w);
+    assert_eq!(state(&w, "top"), "failed");
 }

@@ -1,7 +1,7 @@
 //! What a user prefers, what is told once, and windows of the desktop.
 
 use crate::common::{Window, folder, graph, misbehaving};
-use eframe::egui::{Key, Modifiers, PointerButton, Theme, vec2};
+use eframe::egui::{Key, Modifiers, PointerButton, Theme, ThemePreference, vec2};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, mpsc};
@@ -47,6 +47,59 @@ fn theme_and_scale_are_taken_at_once_and_kept() {
     again.steps(2);
     assert_eq!(ctx.theme(), Theme::Dark);
     assert!((ctx.zoom_factor() - 1.25).abs() < 1e-6);
+}
+
+#[test]
+fn the_view_menu_sets_what_is_preferred() {
+    let (mut w, state) = opened("preferred");
+    let kept = || -> serde_json::Value {
+        serde_json::from_str(&std::fs::read_to_string(state.join("preferences.json")).unwrap()).unwrap()
+    };
+    choose(&mut w, "View", "Dark");
+    choose(&mut w, "View", "As the desktop");
+    assert_eq!(w.harness.ctx.options(|o| o.theme_preference), ThemePreference::System);
+    assert_eq!(kept()["theme"], "system");
+    for (words, scale) in [("80 %", 0.8), ("150 %", 1.5), ("100 %", 1.0)] {
+        choose(&mut w, "View", words);
+        assert!((w.harness.ctx.zoom_factor() - scale).abs() < 1e-6, "{words}");
+    }
+    // Files are asked for by the desktop, or by the window itself.
+    let asked = Arc::new(AtomicUsize::new(0));
+    let count = asked.clone();
+    w.app().dialogs = Dialogs::answered_by(move |_| {
+        count.fetch_add(1, Ordering::SeqCst);
+        None
+    });
+    choose(&mut w, "View", "File windows of the desktop");
+    assert_eq!(kept()["desktop_dialogs"], false);
+    w.key(Modifiers::COMMAND, Key::O);
+    assert!(w.has("Open a graph") && asked.load(Ordering::SeqCst) == 0, "the window's own");
+    w.key(Modifiers::NONE, Key::Escape);
+    choose(&mut w, "View", "File windows of the desktop");
+    assert_eq!(kept()["desktop_dialogs"], true);
+    w.key(Modifiers::COMMAND, Key::O);
+    let start = Instant::now();
+    while !w.has("Open a graph") {
+        assert!(start.elapsed() < Duration::from_secs(30), "nobody is asked");
+        std::thread::sleep(Duration::from_millis(5));
+        w.steps(1);
+    }
+    assert_eq!(asked.load(Ordering::SeqCst), 1, "the desktop is asked first, and answers nothing");
+    w.key(Modifiers::NONE, Key::Escape);
+    if cfg!(target_os = "linux") {
+        for apart in [false, true] {
+            choose(&mut w, "View", "Plugins in processes of their own");
+            assert_eq!(kept()["plugins_apart"], apart);
+        }
+    }
+    // What stands below and beside the canvas.
+    for (tab, there) in [("Problems", "neither a wire nor a value"), ("Profile", "time of a")] {
+        w.click(w.rect("View").center());
+        // The entry of the menu lies over the button of the status line.
+        w.click(w.first_containing(tab).center());
+        w.steps(3);
+        assert!(w.has_containing(there), "{tab}");
+    }
 }
 
 #[test]

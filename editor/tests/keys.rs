@@ -375,3 +375,17 @@ fn nodes_are_aligned_and_distributed_by_the_menu() {
     assert_eq!(places(&w, 0), [640.0, 640.0, 640.0]);
     assert_eq!(w.app().model.steps().0, 6, "each is a step");
 }
+
+#[test]
+fn the_middle_button_moves_the_canvas() {
+    let mut w = Window::open(Some(&graph("middle", CHAIN)));
+    let (before, from) = (w.rect("node a"), empty(&w));
+    w.drag_with(from, from + vec2(40.0, -30.0), PointerButton::Middle, Modifiers::NONE);
+    assert!((w.rect("node a").center() - before.center() - vec2(40.0, -30.0)).length() < 1.0);
+    // Over a node too, which stays where it is on the canvas.
+    let at = w.app().model.position("a");
+    let from = w.rect("node a").center();
+    w.drag_with(from, from + vec2(-40.0, 30.0), PointerButton::Middle, Modifiers::NONE);
+    assert!((w.rect("node a").center() - before.center()).length() < 1.0);
+    assert_eq!((w.app().model.position("a"), w.app().model.steps().0), (at, 0));
+}

@@ -1,8 +1,8 @@
 //! How nodes and wires look, and what is said of them: previews, folds, badges, tooltips, ports that light up, strands.
 
-use crate::common::{Window, folder, graph, rgb};
+use crate::common::{Window, folder, graph, places, rgb};
 use eframe::egui::{Key, Modifiers, PointerButton, vec2};
-use tenon_editor::canvas::{Strands, strands};
+use egui_kittest::kittest::Queryable as _;
 use tenon_engine::{NodeState, Operation};
 
 const SHAPES: &str = r#"{
@@ -46,19 +46,109 @@ fn previews_and_folds_are_steps_and_are_kept_with_the_graph() {
 }
 
 #[test]
-fn wires_are_drawn_by_the_shape_of_what_they_bring() {
-    let mut w = Window::open(Some(&graph("strands", SHAPES)));
-    let wires = |w: &Window| -> Vec<(String, Strands)> {
-        let app = w.harness.state();
-        let all = app.canvas.shapes.wires.iter();
-        all.map(|wire| (app.canvas.shapes.nodes[wire.to].id.clone(), strands(&app.model, wire))).collect()
+fn wires_are_one_line_two_or_two_broken_ones_by_what_they_bring() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "a": { "type": "number", "v": 1, "params": { "value": 2 } },
+    "b": { "type": "series", "v": 1, "params": { "count": 4 } },
+    "c": { "type": "series", "v": 1, "params": { "count": 4 } },
+    "d": { "type": "reroute", "v": 1, "inputs": { "value": { "from": ["c.numbers"], "tree": ["graft"] } } },
+    "item": { "type": "point", "v": 1, "inputs": { "x": { "from": ["a.value"] } } },
+    "list": { "type": "point", "v": 1, "inputs": { "x": { "from": ["b.numbers"] } } },
+    "tree": { "type": "point", "v": 1, "inputs": { "x": { "from": ["d.value"] } } }
+  }
+}"#;
+    let mut w = Window::open(Some(&graph("strands", text)));
+    // Ports stand level, so that wires run straight.
+    let places = [
+        ("a", [0, 0]),
+        ("b", [0, 140]),
+        ("c", [-260, 280]),
+        ("d", [150, 307]),
+        ("item", [420, -20]),
+        ("list", [420, 120]),
+        ("tree", [420, 260]),
+    ];
+    for (node, to) in places {
+        w.app().model.edit(Operation::Move { node: node.into(), to: Some(to.map(f64::from)) });
+    }
+    w.hover(w.rect("canvas").center());
+    w.key(Modifiers::NONE, Key::Home);
+    w.settle();
+    for ground in ["Dark", "Light"] {
+        w.click(w.rect("View").center());
+        w.click(w.rect(ground).center());
+        w.key(Modifiers::NONE, Key::Escape);
+        w.steps(3);
+        // Near enough for the lines of one wire to be told apart.
+        while w.app().canvas.view.zoom < 1.6 {
+            let at = w.rect("input list.x").left_center() - vec2(40.0, 0.0);
+            w.wheel(at, 60.0);
+        }
+        w.hover(w.rect("File").center());
+        let picture = w.picture(&format!("strands-{}", ground.to_lowercase()));
+        let mut counts = Vec::new();
+        for to in ["item", "list", "tree"] {
+            let end = w.rect(&format!("input {to}.x")).left_center();
+            let empty = rgb(&picture, end + vec2(-60.0, 12.0));
+            // How many lines each column of pixels crosses.
+            let across = |x: i32| {
+                let is: Vec<bool> = (-9..=9)
+                    .map(|y| rgb(&picture, end + vec2(x as f32, y as f32)))
+                    .map(|p| (0..3).any(|k| (p[k] - empty[k]).abs() > 40))
+                    .collect();
+                usize::from(is[0]) + is.windows(2).filter(|p| p[1] && !p[0]).count()
+            };
+            let all: Vec<usize> = (-100..-15).map(across).collect();
+            counts.push([0, 1, 2].map(|n| all.iter().filter(|c| **c == n).count()));
+        }
+        let [item, list, tree] = counts[..] else { panic!() };
+        assert_eq!((item, list), ([0, 85, 0], [0, 0, 85]), "one line, and two, on {ground}");
+        assert!(tree[2] > 30 && tree[0] > 10 && tree[1] < 20, "two broken lines: {tree:?} on {ground}");
+    }
+}
+
+#[test]
+fn a_header_says_how_long_its_node_took_or_what_keeps_it() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "long": { "type": "series", "v": 1, "params": { "count": 900000 } },
+    "wrong": { "type": "series", "v": 1, "params": { "count": -4 } },
+    "after": { "type": "point", "v": 1, "inputs": { "x": { "from": ["wrong.numbers"] } } },
+    "off": { "type": "number", "v": 1, "state": "disabled" },
+    "p": { "type": "point", "v": 1 }
+  }
+}"#;
+    let mut w = Window::open(Some(&graph("headers", text)));
+    let state = |w: &Window, node: &str| w.harness.get_by_label(&format!("node {node}")).value().unwrap();
+    assert!(state(&w, "long").ends_with(" ms"), "{}", state(&w, "long"));
+    for (node, words) in [("wrong", "failed"), ("after", "blocked"), ("off", "off")] {
+        assert_eq!(state(&w, node), words);
+    }
+    w.click(w.rect("node p").center());
+    w.key(Modifiers::COMMAND, Key::Q);
+    w.settle();
+    assert!(state(&w, "p").starts_with("hidden  "));
+    w.click(w.rect("node long").center());
+    w.key(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::E);
+    assert_eq!(state(&w, "long"), "frozen");
+    // What is told is painted on the right of the header.
+    let ink = |w: &mut Window, name: &str| {
+        let (picture, header) = (w.picture(name), w.rect("node off"));
+        let right = header.shrink(3.0).with_min_x(header.right() - 60.0);
+        let ground = rgb(&picture, header.center() - vec2(0.0, header.height() * 0.35));
+        places(right).filter(|at| (0..3).any(|k| (rgb(&picture, *at)[k] - ground[k]).abs() > 60)).count()
     };
-    let all = wires(&w);
-    let of = |id: &str| all.iter().find(|(n, _)| n == id).map(|(_, s)| *s);
-    assert_eq!(of("item"), Some(Strands::Item));
-    assert_eq!(of("list"), Some(Strands::List));
-    assert_eq!(of("tree"), Some(Strands::Tree));
-    w.picture("strands");
+    let written = ink(&mut w, "header-off");
+    w.click(w.rect("node off").center());
+    w.key(Modifiers::COMMAND, Key::E);
+    w.settle();
+    let longer = ink(&mut w, "header-on");
+    assert!(written > 10 && longer > written, "{written} pixels of ink, then {longer}");
 }
 
 /// Where a colour stands on the wheel, degrees: the same for its paler and darker shades.

@@ -2,6 +2,7 @@
 
 use crate::common::{Window, graph};
 use eframe::egui::{Key, Modifiers, PointerButton, vec2};
+use egui_kittest::kittest::Queryable as _;
 use tenon_engine::Operation;
 
 const LONG: &str = r#"{
@@ -19,10 +20,27 @@ fn a_text_panel_shows_its_wire_and_turns_its_lines() {
     let mut w = Window::open(Some(&graph("sheet", LONG)));
     let (zoom, node) = (w.app().canvas.view.zoom, w.rect("node t"));
     let body = node.center() + vec2(0.0, 60.0);
-    w.picture("text-panel");
-    assert_eq!(w.app().canvas.first_line("t"), 0.0);
+    let picture = w.picture("text-panel");
+    let shown = |w: &Window, node: &str| -> Vec<String> {
+        let text = w.harness.get_by_label(&format!("lines of {node}")).value().unwrap();
+        text.lines().map(str::to_owned).collect()
+    };
+    let first = shown(&w, "t");
+    assert!((8..12).contains(&first.len()), "{first:?}");
+    assert!(first.iter().enumerate().all(|(i, line)| *line == format!("{i}  {i}.0")), "{first:?}");
+    assert_eq!(shown(&w, "u")[..4], ["{0;0}", "0  0.0", "{0;1}", "0  1.0"], "branches stand under their paths");
+    // There they are painted, one below another.
+    let paper = w.rect("lines of t").shrink(8.0 * zoom);
+    let ground = i32::from(picture.get_pixel(paper.center().x as u32, paper.center().y as u32)[0]);
+    let ink = |x: u32, y: u32| (i32::from(picture.get_pixel(x, y)[0]) - ground).abs() > 90;
+    let inked = |y: u32| (paper.left() as u32..paper.center().x as u32 - 4).any(|x| ink(x, y));
+    let rows: Vec<bool> = (paper.top() as u32..paper.bottom() as u32).map(inked).collect();
+    let lines = usize::from(rows[0]) + rows.windows(2).filter(|p| p[1] && !p[0]).count();
+    assert!((8..=10).contains(&lines), "{lines} lines are painted");
     w.wheel(body, -160.0);
     let line = w.app().canvas.first_line("t");
+    let now = shown(&w, "t");
+    assert_eq!(now[0], format!("{0}  {0}.0", line.floor()));
     assert!(line > 5.0, "{line}");
     assert_eq!(w.app().canvas.view.zoom, zoom, "the canvas stays");
     for _ in 0..3 {
@@ -30,6 +48,7 @@ fn a_text_panel_shows_its_wire_and_turns_its_lines() {
     }
     let last = w.app().canvas.first_line("t");
     assert!(last > 980.0 && last < 1000.0, "{last}");
+    assert!(shown(&w, "t").contains(&"999  999.0".to_owned()), "the last line is there");
     w.picture("text-panel-end");
     w.wheel(body, 100_000.0);
     assert_eq!(w.app().canvas.first_line("t"), 0.0);

@@ -1,11 +1,14 @@
 //! What is seen in space: cut open, measured, in colours, with tool paths and references, as a picture of any size; points and
 //! weights taken by hand.
 
-use crate::common::{Window, example, folder, graph};
+use crate::common::{Window, example, folder, graph, small_shell};
 use eframe::egui::{Key, Modifiers, vec2};
+use egui_kittest::kittest::Queryable as _;
 use std::path::PathBuf;
 use tenon_editor::viewport::{Clip, Measure, Standard, references};
 use tenon_engine::{Operation, Table};
+use tenon_geometry::panel::PanelSet;
+use tenon_nodes::value::V;
 
 /// Pixels of the picture that are more green than anything else.
 fn green(picture: &image::RgbaImage) -> usize {
@@ -19,7 +22,7 @@ fn wooden(picture: &image::RgbaImage) -> usize {
 }
 
 #[test]
-fn the_shell_is_cut_open_measured_and_drawn_at_any_size() {
+fn the_shell_is_cut_open_and_drawn_at_any_size() {
     let mut w = Window::open(Some(&example("shell-256")));
     let area = w.rect("viewport");
     let whole = w.app().viewport.picture([400, 300]).unwrap();
@@ -54,19 +57,6 @@ fn the_shell_is_cut_open_measured_and_drawn_at_any_size() {
     assert!(picked.is_none_or(|p| parts[p.part as usize].centre.x < 2300.0));
     w.app().viewport.clip = None;
 
-    // The distance of two panels' corners.
-    w.click(w.rect("Measure").center());
-    for part in [40, 200] {
-        let at = w.app().viewport.camera.project(area, parts[part].centre).unwrap();
-        w.click(at);
-    }
-    let ends = w.app().viewport.ruler.ends.clone();
-    let apart = parts[40].centre.distance(parts[200].centre);
-    assert_eq!(ends.len(), 2);
-    assert!((ends[0].distance(ends[1]) - apart).abs() < 500.0, "{} and not {apart}", ends[0].distance(ends[1]));
-    w.picture("measure");
-    w.click(w.rect("Measure").center());
-
     // Tool paths where the panels are: cuts are green.
     let before = green(&w.app().viewport.picture([600, 400]).unwrap());
     w.app().viewport.tool_paths = true;
@@ -85,6 +75,86 @@ fn the_shell_is_cut_open_measured_and_drawn_at_any_size() {
         w.steps(2);
     }
     w.picture("conicity");
+}
+
+#[test]
+fn the_distance_of_two_corners_is_measured_exactly_though_they_are_clicked_beside() {
+    let mut w = Window::open(Some(&small_shell("measured", |_| ())));
+    let area = w.rect("viewport");
+    let panels = w.app().model.results.values["thicken.panels"].first::<V<PanelSet>>().unwrap().clone();
+    // The front of a panel at the top, so near that a point of the screen is some tenths of a millimetre.
+    let part = (0..panels.len()).max_by(|a, b| panels.normal[*a].z.total_cmp(&panels.normal[*b].z)).unwrap();
+    let corners = &panels.front[panels.corners(part)];
+    let bounds = corners.iter().fold([corners[0]; 2], |[low, high], p| [low.min(*p), high.max(*p)]);
+    w.app().viewport.camera.stand(Standard::Top);
+    w.app().viewport.camera.fit(area, bounds);
+    w.click(w.rect("Measure").center());
+    let middle = (bounds[0] + bounds[1]) / 2.0;
+    for corner in [corners[0], corners[2]] {
+        let camera = w.app().viewport.camera;
+        let [at, inwards] = [corner, middle].map(|p| camera.project(area, p).unwrap());
+        w.click(at + (inwards - at).normalized() * 2.0);
+    }
+    let words = w.harness.get_by_label_contains(" mm  (x ").value().unwrap();
+    let told: Vec<f64> = words.split(|c: char| !"0123456789.-".contains(c)).filter_map(|n| n.parse().ok()).collect();
+    let apart = corners[2] - corners[0];
+    let exact = [apart.length(), apart.x, apart.y, apart.z];
+    assert!(told.len() == 4 && (0..4).all(|k| (told[k] - exact[k]).abs() < 0.0051), "{words}, and not {exact:?}");
+    assert!(area.contains_rect(w.rect_containing(" mm  (x ")));
+    w.picture("measure");
+    // A third click begins anew.
+    w.click(area.center());
+    assert!(!w.has_containing(" mm  (x "));
+}
+
+#[test]
+fn a_section_is_turned_and_tilted_by_its_fields_and_a_picture_is_as_large_as_its_fields_say() {
+    let mut w = Window::open(Some(&small_shell("fields", |_| ())));
+    w.click(w.rect("More").center());
+    w.click(w.rect("Cut open").center());
+    w.settle();
+    let wood = |w: &mut Window| wooden(&w.app().viewport.picture([400, 300]).unwrap());
+    let first = wood(&mut w);
+    let place = w.app().viewport.clip.map(|c| c.normal * c.at).unwrap();
+    w.fill("turn of the section", "60");
+    w.fill("tilt of the section", "30");
+    w.settle();
+    let clip = w.app().viewport.clip.unwrap();
+    let meant = glam::DVec3::new(0.75f64.sqrt() * 0.5, 0.75, 0.5);
+    assert!(clip.normal.distance(meant) < 1e-9, "{}", clip.normal);
+    assert!(clip.side(place).abs() < 1.0, "it turns about where it was");
+    let turned = wood(&mut w);
+    assert!(turned.abs_diff(first) > 300, "{first} pixels of wood, then {turned}");
+    w.picture("section-turned");
+    let file = folder("picture-fields").join("view.png");
+    w.fill("width of the picture", "320");
+    w.fill("height of the picture", "200");
+    w.click(w.rect("Save a picture …").center());
+    w.type_text(&file.to_string_lossy());
+    w.key(Modifiers::NONE, Key::Enter);
+    w.settle();
+    assert_eq!(image::open(&file).unwrap().to_rgba8().dimensions(), (320, 200));
+}
+
+#[test]
+fn a_picture_behind_the_model_is_turned_and_stood_upright_by_hand() {
+    let (path, photo) = graph_and_photo("turned-behind", "photo.png");
+    let mut w = Window::open(Some(&path));
+    choose_reference(&mut w, &photo);
+    let bounds = |w: &Window| {
+        let app = w.harness.state();
+        app.viewport.references.boxes(&app.model)[0].1.map(|p| p.round().to_array())
+    };
+    assert_eq!(bounds(&w), [[0.0; 3], [5000.0, 2500.0, 0.0]]);
+    w.click(w.rect("More").center());
+    w.click(w.rect("upright").center());
+    assert_eq!(bounds(&w), [[0.0; 3], [5000.0, 0.0, 2500.0]]);
+    w.fill("turn of photo.png", "90");
+    assert_eq!(bounds(&w), [[0.0; 3], [0.0, 5000.0, 2500.0]]);
+    w.key(Modifiers::NONE, Key::Escape);
+    assert_eq!(w.app().model.steps().0, 3, "it came, was stood up, and turned");
+    w.key(Modifiers::COMMAND, Key::Z);
+    assert_eq!(bounds(&w), [[0.0; 3], [5000.0, 0.0, 2500.0]]);
 }
 
 #[test]

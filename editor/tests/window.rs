@@ -5,6 +5,8 @@ use eframe::egui::{Key, Modifiers, PointerButton, Rect, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use std::time::{Duration, Instant};
 use tenon_engine::Diagnostic;
+use tenon_geometry::proof::ProofReport;
+use tenon_nodes::value::V;
 
 /// Twenty-five million sums, one by one.
 const SLOW: &str = r#"{
@@ -78,14 +80,19 @@ fn what_a_proof_has_found_is_marked_on_the_board() {
     let mut w = Window::open(Some(&faulty_shell()));
     w.click(w.rect("Boards").center());
     w.settle();
-    let faults = w.app().boards.player.faults.clone();
+    let found = w.app().boards.player.faults.clone();
+    let faults = &found.told;
     assert!(!faults.is_empty(), "{:?}", w.app().model.results.diagnostics);
     assert!(faults.iter().any(|f| f.at.is_some()));
     w.picture("faults");
     // One is chosen: the tool goes there, and its line is the fault's.
     let own: Vec<_> = faults.iter().filter(|f| f.board == 0).cloned().collect();
     let first = own.iter().find(|f| f.line.is_some()).unwrap();
-    w.click(w.rect(&format!("{} faults", own.len())).center());
+    // The proof tells the first hundred of each program and counts the others.
+    let report = w.app().model.results.values["prove.report"].first::<V<ProofReport>>().unwrap().clone();
+    let more = report.programs[0].omitted;
+    assert!(own.len() == 100 && more > 0, "{} are listed, {more} are not", own.len());
+    w.click(w.rect(&format!("100 of {} faults", 100 + more)).center());
     w.picture("faults-listed");
     w.click(w.first(&first.words).center());
     w.settle();
@@ -217,6 +224,24 @@ fn very_small_and_very_large_windows_are_drawn() {
         let mut w = Window::sized(Some(&dir), size);
         let canvas = w.rect("canvas");
         assert!(canvas.width() > size.x * 0.3 && canvas.max.x <= size.x && canvas.max.y <= size.y);
+        // All that is pressed over the viewport lies in it, whatever is shown in colours.
+        let mut chosen = "plain";
+        for measure in ["plain", "planarity"] {
+            if measure != chosen {
+                w.click(w.harness.get_by_value(chosen).rect().center());
+                w.click(w.rect(measure).center());
+                w.settle();
+                chosen = measure;
+            }
+            let (view, list) = (w.rect("viewport"), w.harness.get_by_value(chosen).rect());
+            let names = ["Fit", "Views", "Perspective", "Addresses", "Measure", "More"];
+            let all: Vec<Rect> = names.iter().map(|name| w.rect(name)).chain([list]).collect();
+            for (i, a) in all.iter().enumerate() {
+                assert!(view.contains_rect(*a), "{a} of {view} at {size}, {measure}");
+                assert!(all[..i].iter().all(|b| !a.shrink(0.5).intersects(*b)), "{a} lies over another at {size}");
+            }
+            w.picture(&format!("over-{}-{measure}", size.x));
+        }
         let picture = w.harness.render().unwrap();
         assert_eq!([picture.width() as f32, picture.height() as f32], [size.x, size.y]);
         let first = *picture.get_pixel(0, 0);

@@ -111,8 +111,8 @@ def test_an_idle_window_rests(window, tmp_path):
     w.calm()
     before = w.processor_time()
     time.sleep(10)
-    # The figure that is aimed at, 1 %, is the bench's; this only finds a window that draws all the time.
-    assert w.processor_time() - before < 0.5
+    # 1 %, which a window that draws nothing stays far below.
+    assert w.processor_time() - before < 0.1
 
 
 def test_without_any_graphics_it_says_what_to_install(screen, tmp_path):

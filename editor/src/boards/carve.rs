@@ -56,7 +56,7 @@ impl Moment {
 /// The board at a moment.
 #[derive(Clone, Default)]
 pub struct Carved {
-    /// Counts states, so that what did not change is not brought to the card anew.
+    /// Counts states, of all programs one after another, so that what did not change is not brought to the card anew.
     pub count: u64,
     /// Seen from above: what was cut in brown, darker the deeper; everything else is clear. Rows from the far side.
     pub image: Option<Arc<ColorImage>>,
@@ -120,7 +120,11 @@ fn run(inbox: &Receiver<Moment>, shared: &Mutex<Shared>, wake: &dyn Fn()) {
             }
             let work = match &mut work {
                 Some(w) if w.of.same_program(&moment) => w,
-                other => other.insert(Work::new(moment.clone())),
+                other => {
+                    // It goes on counting, so that no state of another program bears the same number.
+                    let changes = other.as_ref().map_or(0, |w| w.changes + 1);
+                    other.insert(Work::new(moment.clone(), changes))
+                }
             };
             let done = work.go_on(&moment);
             count += 1;
@@ -155,14 +159,14 @@ struct Work {
 }
 
 impl Work {
-    fn new(of: Moment) -> Self {
+    fn new(of: Moment, changes: u64) -> Self {
         let stock = Stock::new(&of.board, LINES);
         let machine = of.plays.get(of.program).map(|p| &p.machine.machine);
         let cutters = machine.iter().flat_map(|m| m.tools.iter().map(|t| m.body(t).cutter)).collect();
         let pieces = stock.count.map(|c| c.div_ceil(PIECE));
         let stale = vec![true; pieces[0] * pieces[1]];
         let (kept, solid, image) = (Vec::new(), Vec::new(), None);
-        Self { of, stock, cutters, done: 0, part_way: 0.0, kept, stale, solid, image, changes: 0 }
+        Self { of, stock, cutters, done: 0, part_way: 0.0, kept, stale, solid, image, changes }
     }
 
     /// Works towards a moment; false if it is not there yet.

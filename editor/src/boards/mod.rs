@@ -96,9 +96,16 @@ impl BoardView {
             return;
         }
         self.of = Some((model.results.count, model.selection.clone()));
-        self.found = boards(model);
-        self.player.faults = faults(model);
-        match programs(model) {
+        let found = boards(model);
+        let node = |b: &Option<Boards>| b.as_ref().map(|b| b.node.clone());
+        if node(&self.found) != node(&found) {
+            // Programs of other boards are none of these.
+            self.plays.forget();
+        }
+        let programs = found.as_ref().and_then(|b| programs(model, &b.node));
+        self.player.faults = programs.as_ref().map(|p| faults(model, &p.node)).unwrap_or_default();
+        self.found = found;
+        match programs {
             Some(found) => {
                 let wake = ctx.clone();
                 let read = move || found.all.iter().map(|q| Play::new(q, &found.machine)).collect();
@@ -174,6 +181,9 @@ impl BoardView {
         else {
             return;
         };
+        if let Some((_, at)) = self.player.show.take_if(|(board, _)| *board == play.board) {
+            self.space.look_at(at);
+        }
         let at = self.player.struck(play, now);
         self.space.show(ui, &found.layout.board, play, now, &self.carved, &self.player.faults, at);
     }
@@ -240,7 +250,7 @@ impl BoardView {
         } else {
             draw.addresses(&painter, &to_screen);
         }
-        for fault in &self.player.faults {
+        for fault in &self.player.faults.told {
             let Some(at) = fault.at else { continue };
             draw::paint_fault(&painter, &theme, to_screen(at.truncate() + draw.board(fault.board).min));
         }

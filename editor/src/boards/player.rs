@@ -1,7 +1,7 @@
 //! The player: which program, where in time, how fast; and its text with the line that runs.
 
 use super::draw::kind_colour;
-use crate::model::cut::Fault;
+use crate::model::cut::{Fault, Faults};
 use crate::model::play::{Kind, Now, Play};
 use crate::theme::Theme;
 use eframe::egui::{self, ComboBox, RichText, ScrollArea, Slider, TextStyle, Ui};
@@ -23,7 +23,7 @@ pub struct Player {
     /// The board is shown in space.
     pub solid: bool,
     /// What proofs have found wrong.
-    pub faults: Vec<Fault>,
+    pub faults: Faults,
     /// A place of a board that is to be brought into view.
     pub show: Option<(u32, DVec3)>,
     /// Something was played, so that the tool is drawn.
@@ -41,7 +41,7 @@ impl Default for Player {
             playing: false,
             code: false,
             solid: false,
-            faults: Vec::new(),
+            faults: Faults::default(),
             show: None,
             begun: false,
             at_line: 0,
@@ -69,7 +69,7 @@ impl Player {
     /// Whether the proof has found something wrong in what runs just now.
     pub fn struck(&self, play: &Play, now: Now) -> bool {
         let line = play.steps.get(now.step).map(|s| s.line);
-        line.is_some() && self.faults.iter().any(|f| f.board == play.board && f.line == line)
+        line.is_some() && self.faults.of(play.board).any(|f| f.line == line)
     }
 
     /// Plays from where the tool is, from the start if it is at the end; or pauses.
@@ -173,7 +173,7 @@ impl Player {
 
     /// Marks on the slider where in time the proof has found something wrong.
     fn mark_faults(&self, ui: &Ui, slider: egui::Rect, play: &Play, length: f64) {
-        let own = self.faults.iter().filter(|f| f.board == play.board);
+        let own = self.faults.of(play.board);
         let colour = Theme::of(ui).error;
         for time in own.filter_map(|f| play.time_of(f.line?)) {
             let x = slider.left() + slider.width() * (time / length.max(1e-9)) as f32;
@@ -183,13 +183,17 @@ impl Player {
 
     /// The list of what proofs found wrong with a program; choosing one goes there.
     fn choose_fault(&mut self, ui: &mut Ui, play: &Play) {
-        let own: Vec<&Fault> = self.faults.iter().filter(|f| f.board == play.board).collect();
+        let own: Vec<&Fault> = self.faults.of(play.board).collect();
         if own.is_empty() {
             return;
         }
         let mut chosen = None;
-        let words = RichText::new(format!("{} faults", own.len())).color(Theme::of(ui).error);
-        ui.menu_button(words, |ui| {
+        let words = match (own.len(), self.faults.more(play.board)) {
+            (1, 0) => "1 fault".to_owned(),
+            (told, 0) => format!("{told} faults"),
+            (told, more) => format!("{told} of {} faults", told + more),
+        };
+        ui.menu_button(RichText::new(words).color(Theme::of(ui).error), |ui| {
             ScrollArea::vertical().max_height(260.0).show(ui, |ui| {
                 for fault in &own {
                     if ui.button(&fault.words).clicked() {

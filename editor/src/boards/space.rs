@@ -2,7 +2,7 @@
 
 use super::carve::{self, Carved};
 use super::draw::kind_colour;
-use crate::model::cut::Fault;
+use crate::model::cut::Faults;
 use crate::model::play::{Now, Play};
 use crate::scene::{Drawing, Kind, Line, Part, Vertex};
 use crate::theme::Theme;
@@ -17,12 +17,16 @@ use tenon_geometry::machine::{Pose, Revolved};
 const ROUND: usize = 32;
 /// Steps whose way is drawn behind the tool.
 const TRAIL: usize = 60;
+/// So much is seen around a place that is brought into view, mm.
+const NEAR: DVec3 = DVec3::splat(100.0);
 
 /// The eye over the board.
 #[derive(Default)]
 pub struct Space {
     camera: Camera,
     fitted: Option<u32>,
+    /// A place that is to be brought into view.
+    at: Option<DVec3>,
     /// Counts drawings, so that each is another to the card.
     count: u128,
     colours: Arc<Vec<u32>>,
@@ -35,6 +39,11 @@ impl Space {
         self.fitted = None;
     }
 
+    /// Brings a place of the board into view at the next frame.
+    pub fn look_at(&mut self, place: DVec3) {
+        self.at = Some(place);
+    }
+
     /// Shows the board in all the room that `ui` has; `struck`: the proof has found something wrong just here.
     #[expect(clippy::too_many_arguments, reason = "a moment is all of these")]
     pub fn show(
@@ -44,7 +53,7 @@ impl Space {
         play: &Play,
         now: Now,
         carved: &Carved,
-        faults: &[Fault],
+        faults: &Faults,
         struck: bool,
     ) {
         let area = ui.available_rect_before_wrap();
@@ -54,6 +63,9 @@ impl Space {
             self.camera.fit(area, [DVec3::ZERO, board.size.extend(board.thickness)]);
             self.camera.distance *= 0.8;
             self.fitted = Some(play.board);
+        }
+        if let Some(place) = self.at.take() {
+            self.camera.fit(area, [place - NEAR, place + NEAR]);
         }
         look(&mut self.camera, ui, &response);
         let theme = Theme::of(ui);
@@ -74,7 +86,7 @@ impl Space {
         let (way, colours) = way(play, now, self.count);
         shown.push(Shown { coloured_lines: true, colours, ..plain("way".into(), Arc::new(way), theme.text) });
         let mut marks = Drawing::empty(Kind::Points);
-        let wrong = faults.iter().filter(|f| f.board == play.board).filter_map(|f| f.at);
+        let wrong = faults.of(play.board).filter_map(|f| f.at);
         marks.points = wrong.map(|p| p.as_vec3().to_array()).collect();
         marks.digest = marks.points.len() as u128 | u128::from(play.board) << 64;
         if !marks.points.is_empty() {

@@ -205,7 +205,11 @@ impl Canvas {
             }
             let rect = self.view.rect_to_screen(area, header).intersect(area);
             let node = ui.interact(rect, id, Sense::hover());
-            node.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("node {}", shape.id)));
+            node.widget_info(|| WidgetInfo {
+                current_text_value: Some(paint::state(model, shape)).filter(|_| shape.kind == shape::Kind::Node),
+                ..WidgetInfo::labeled(WidgetType::Other, true, format!("node {}", shape.id))
+            });
+            self.name_lines(ui, area, model, shape);
             if tips {
                 node.on_hover_ui(|ui| tip::node(ui, model, shape));
             }

@@ -181,7 +181,7 @@ impl Paint<'_> {
         let radius = CornerRadius::same(self.scaled(6.0).clamp(0.0, 18.0) as u8);
         let worst = self.model.results.worst(&self.model.path_of(&shape.id)).map(|(d, _)| d.severity);
         let off = shape.state == NodeState::Disabled;
-        let hidden = self.hidden(shape);
+        let hidden = hidden(self.model, shape);
         let fill = if off { self.theme.node.gamma_multiply(0.6) } else { self.theme.node };
         self.painter.rect_filled(rect, radius, fill);
         let header = Rect::from_min_max(rect.min, pos2(rect.right(), rect.top() + self.scaled(HEADER)));
@@ -208,12 +208,6 @@ impl Paint<'_> {
             }
         }
         self.problems(shape);
-    }
-
-    /// Whether a node makes something that could be seen and is told not to show it.
-    fn hidden(&self, shape: &Shape) -> bool {
-        let seen = |p: &crate::model::catalog::PortInfo| crate::scene::VISIBLE.contains(&p.type_name.as_str());
-        !self.model.previews(&shape.id) && shape.outputs.iter().any(seen)
     }
 
     /// How many things are wrong with a node.
@@ -286,19 +280,7 @@ impl Paint<'_> {
         }
         let painter = self.painter.with_clip_rect(inside.intersect(self.painter.clip_rect()));
         painter.text(inside.left_center(), Align2::LEFT_CENTER, &shape.id, self.font(14.0), ink);
-        let state = match (shape.state, self.model.results.nodes.get(&*self.model.path_of(&shape.id))) {
-            (NodeState::Disabled, _) => "off".to_owned(),
-            (NodeState::Frozen, _) => "frozen".to_owned(),
-            (NodeState::Bypassed, _) => "bypassed".to_owned(),
-            _ if self.model.was_stopped_at(&shape.id) => "stopped".to_owned(),
-            (_, Some(r)) => match r.happened {
-                Happened::Failed => "failed".to_owned(),
-                Happened::Blocked => "blocked".to_owned(),
-                _ => theme::duration(r.time),
-            },
-            _ => String::new(),
-        };
-        let state = if self.hidden(shape) { format!("hidden  {state}") } else { state };
+        let state = state(self.model, shape);
         let size = self.painter.layout_no_wrap(state.clone(), self.font(theme::SMALL), ink).size();
         let room = pos2(inside.right() - size.x - 4.0, header.top());
         let room = Rect::from_min_max(room, pos2(inside.right() + self.scaled(8.0), header.bottom()));
@@ -424,6 +406,30 @@ pub fn map(view: View, area: Rect, shapes: &Shapes) -> Option<(Rect, Rect)> {
     let scale = (150.0 / bounds.width()).min(100.0 / bounds.height());
     let size = bounds.size() * scale;
     Some((Rect::from_min_size(area.max - size - vec2(10.0, 10.0), size), bounds))
+}
+
+/// Whether a node makes something that could be seen and is told not to show it.
+fn hidden(model: &Model, shape: &Shape) -> bool {
+    let seen = |p: &crate::model::catalog::PortInfo| crate::scene::VISIBLE.contains(&p.type_name.as_str());
+    !model.previews(&shape.id) && shape.outputs.iter().any(seen)
+}
+
+/// What stands on the right of a node's header: how long it took, or what keeps it from running.
+#[must_use]
+pub fn state(model: &Model, shape: &Shape) -> String {
+    let state = match (shape.state, model.results.nodes.get(&*model.path_of(&shape.id))) {
+        (NodeState::Disabled, _) => "off".to_owned(),
+        (NodeState::Frozen, _) => "frozen".to_owned(),
+        (NodeState::Bypassed, _) => "bypassed".to_owned(),
+        _ if model.was_stopped_at(&shape.id) => "stopped".to_owned(),
+        (_, Some(r)) => match r.happened {
+            Happened::Failed => "failed".to_owned(),
+            Happened::Blocked => "blocked".to_owned(),
+            _ => theme::duration(r.time),
+        },
+        _ => String::new(),
+    };
+    if hidden(model, shape) { format!("hidden  {state}") } else { state }
 }
 
 /// One line for an item, two for a list, two broken ones for a tree.

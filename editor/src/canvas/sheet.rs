@@ -6,7 +6,7 @@ use super::shape::{FOOT, HEADER, Kind, Shape};
 use crate::model::Model;
 use crate::model::words::words;
 use crate::theme;
-use eframe::egui::{Align2, FontId, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
+use eframe::egui::{Align2, FontId, Id, Pos2, Rect, Sense, Stroke, StrokeKind, Ui, WidgetInfo, WidgetType, pos2, vec2};
 use tenon_engine::Tree;
 
 /// Height of a line, canvas points.
@@ -46,6 +46,12 @@ fn room(shape: &Shape) -> f32 {
     (shape.rect.height() - HEADER - FOOT) / LINE
 }
 
+/// The lines that a sheet shows, from its line `first` on.
+fn seen_lines(tree: &Tree, shape: &Shape, first: f32) -> Vec<String> {
+    let from = first.floor().max(0.0) as usize;
+    lines(tree, from, from + room(shape).ceil() as usize + 1)
+}
+
 impl Paint<'_> {
     /// A sheet with what comes in, from its line `first` on.
     pub(super) fn sheet(&self, shape: &Shape, rect: Rect, first: f32, far: bool) {
@@ -80,9 +86,8 @@ impl Paint<'_> {
         let body = Rect::from_min_max(pos2(inside.left(), head.bottom()), rect.max - vec2(self.scaled(8.0), 2.0));
         let painter = self.painter.with_clip_rect(body.intersect(self.painter.clip_rect()));
         let (all, seen) = (count(tree), room(shape));
-        let from = first.floor().max(0.0) as usize;
         let font = FontId::monospace(self.font(11.0).size);
-        for (k, line) in lines(tree, from, from + seen.ceil() as usize + 1).into_iter().enumerate() {
+        for (k, line) in seen_lines(tree, shape, first).into_iter().enumerate() {
             let y = body.top() + self.scaled((k as f32 - first.fract()) * LINE + 3.0);
             painter.text(pos2(body.left(), y), Align2::LEFT_TOP, line, font.clone(), ink);
         }
@@ -110,6 +115,20 @@ impl Canvas {
         let first = self.scrolls.entry(shape.id.clone()).or_default();
         *first = (*first - scroll / (LINE * self.view.zoom.max(0.2))).clamp(0.0, most);
         true
+    }
+
+    /// Tells screen readers and tests which lines a sheet shows.
+    pub(super) fn name_lines(&self, ui: &Ui, area: Rect, model: &Model, shape: &Shape) {
+        let Some(tree) = model.value(&format!("{}.data", shape.id)).filter(|_| shape.kind == Kind::Sheet) else {
+            return;
+        };
+        let body = shape.rect.with_min_y(shape.rect.top() + HEADER);
+        let rect = self.view.rect_to_screen(area, body).intersect(area);
+        let response = ui.interact(rect, Id::new(("lines", &shape.id)), Sense::hover());
+        response.widget_info(|| WidgetInfo {
+            current_text_value: Some(seen_lines(tree, shape, self.first_line(&shape.id)).join("\n")),
+            ..WidgetInfo::labeled(WidgetType::Other, true, format!("lines of {}", shape.id))
+        });
     }
 
     /// The first line that the sheet of a node shows.

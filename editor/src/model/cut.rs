@@ -2,6 +2,7 @@
 //! the values of the graph, so that any node that gives a layout or programs will do.
 
 use super::Model;
+use std::collections::{BTreeMap, BTreeSet};
 use tenon_engine::{Document, Json, Literal, Name, Text, Tree};
 use tenon_geometry::board::{Layout, PartSet};
 use tenon_geometry::motion::PartPaths;
@@ -105,17 +106,45 @@ pub struct Fault {
     pub words: String,
 }
 
-/// All that proofs have found wrong, in their order.
+/// What proofs have found wrong with programs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Faults {
+    /// In their order.
+    pub told: Vec<Fault>,
+    /// How many more there are of boards, that proofs only count.
+    more: BTreeMap<u32, usize>,
+}
+
+impl Faults {
+    /// Those of a board.
+    pub fn of(&self, board: u32) -> impl Iterator<Item = &Fault> {
+        self.told.iter().filter(move |f| f.board == board)
+    }
+
+    /// How many more a board has than are told.
+    #[must_use]
+    pub fn more(&self, board: u32) -> usize {
+        self.more.get(&board).copied().unwrap_or_default()
+    }
+}
+
+/// What proofs have found wrong with the programs that a node gives.
 #[must_use]
-pub fn faults(model: &Model) -> Vec<Fault> {
-    let proofs = outputs(model, "proof").filter_map(|(_, _, tree)| tree.first::<V<ProofReport>>());
-    let programs = proofs.flat_map(|p| &p.programs);
-    let fault = |board, r: &proof::Reason| Fault { board, line: r.line, at: r.at, words: r.to_string() };
-    programs.flat_map(|p| p.reasons.iter().map(move |r| fault(p.board, r))).collect()
+pub fn faults(model: &Model, programs: &str) -> Faults {
+    let mut faults = Faults::default();
+    let proofs = outputs(model, "proof").filter(|(node, _, _)| comes_from(model, node, programs, &["program"]));
+    for p in proofs.filter_map(|(_, _, tree)| tree.first::<V<ProofReport>>()).flat_map(|p| &p.programs) {
+        let fault = |r: &proof::Reason| Fault { board: p.board, line: r.line, at: r.at, words: r.to_string() };
+        faults.told.extend(p.reasons.iter().map(fault));
+        *faults.more.entry(p.board).or_default() += p.omitted;
+    }
+    faults
 }
 
 /// Programs with the machine that they are for.
 pub struct Programs {
+    /// The node that gives them.
+    pub node: String,
     /// The machine.
     pub machine: V<MachineFile>,
     /// The programs.
@@ -124,17 +153,44 @@ pub struct Programs {
     pub digest: u128,
 }
 
-/// The programs that are judged best: proven ones before others.
+/// The programs of the layout that a node gives, those that are judged best: proven ones before others.
 #[must_use]
-pub fn programs(model: &Model) -> Option<Programs> {
-    let found = outputs(model, "program").filter_map(|(node, _, tree)| {
+pub fn programs(model: &Model, layout: &str) -> Option<Programs> {
+    let own = outputs(model, "program").filter(|(node, _, _)| comes_from(model, node, layout, &["program", "layout"]));
+    let found = own.filter_map(|(node, _, tree)| {
         let machine =
             sources(model.document(), node).find_map(|s| model.value(s)?.first::<V<MachineFile>>().cloned())?;
         let columns = tree.branches().iter().map(|(_, c)| c);
         let all: Vec<Program> =
             columns.flat_map(|c| (0..c.len()).filter_map(|i| c.get::<Program>(i).cloned())).collect();
-        (!all.is_empty()).then_some(Programs { machine, all, digest: tree.digest() })
+        let node = node.clone();
+        (!all.is_empty()).then_some(Programs { node, machine, all, digest: tree.digest() })
     });
     let judged = |p: &Programs| p.all.iter().filter(|p| p.standing != Standing::Unproven).count();
     found.reduce(|a, b| if judged(&b) > judged(&a) { b } else { a })
+}
+
+/// Whether what a node makes comes from another one, or it is that one. At each node those wires are followed that bring the
+/// first of `types` that any of them brings, since programs say more of where a proof belongs than the layout beside them;
+/// all, if none brings any. Another layout ends the way. O(wires).
+fn comes_from(model: &Model, node: &str, origin: &str, types: &[&str]) -> bool {
+    let document = model.document();
+    let gives_layout = |id: &str| {
+        let ports = document.nodes().get(id).and_then(|n| model.catalog.get(&n.type_name));
+        ports.is_some_and(|t| t.outputs.iter().any(|p| p.type_name == "layout"))
+    };
+    let (mut open, mut seen) = (vec![node], BTreeSet::new());
+    while let Some(id) = open.pop() {
+        if id == origin {
+            return true;
+        }
+        if !seen.insert(id) || gives_layout(id) {
+            continue;
+        }
+        let brings = |s: &&str, name: &str| model.value(s).is_some_and(|t| t.type_name() == name);
+        let kind = types.iter().find(|name| sources(document, id).any(|s| brings(&s, name)));
+        let wires = sources(document, id).filter(|s| kind.is_none_or(|name| brings(s, name)));
+        open.extend(wires.filter_map(|s| s.split_once('.')).map(|(id, _)| id));
+    }
+    false
 }

@@ -152,9 +152,9 @@ impl Model {
         if !unsaved && self.keeper.written.is_some() {
             self.forget_kept();
         }
-        let due = self.watch.noticed() || self.keeper.last.is_none_or(|last| last.elapsed() >= EVERY);
-        if !due {
-            return self.wants_keeping(unsaved).then_some(EVERY);
+        let rest = self.keeper.last.map_or(Duration::ZERO, |last| EVERY.saturating_sub(last.elapsed()));
+        if !self.watch.noticed() && rest > Duration::ZERO {
+            return self.wants_keeping(unsaved).then_some(rest);
         }
         self.keeper.last = Some(Instant::now());
         // What is written or told must be true: that a graph was opened or placed a moment ago makes no work of it.

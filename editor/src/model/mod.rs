@@ -310,6 +310,7 @@ impl Model {
         let values_only = operation.parts().all(|o| matches!(o, Operation::SetParam { .. } | Operation::Move { .. }));
         self.worker.edit(operation);
         if !values_only {
+            self.results.forget_what_is_gone(self.worker.revision());
             self.show();
         }
     }
@@ -390,7 +391,7 @@ impl Model {
                 debug_assert!(false, "the session refused what the document took: {diagnostic}");
                 self.worker.open(self.registry.clone(), self.document.clone(), self.host());
             }
-            self.results.take(update);
+            self.results.take(update, &self.document);
         }
         news
     }

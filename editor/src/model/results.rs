@@ -5,7 +5,7 @@ use crate::scene::Drawing;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Duration;
-use tenon_engine::{Diagnostic, File, Happened, Progress, Severity, Tree};
+use tenon_engine::{Diagnostic, Document, File, Happened, Node, Progress, Severity, Tree};
 
 /// What happened to a node when it was last looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub struct NodeResult {
 pub struct Results {
     /// Values by `node.port`.
     pub values: HashMap<String, Tree>,
-    /// What happened to nodes, by id.
+    /// What happened to nodes and to instances as a whole, by path.
     pub nodes: HashMap<String, NodeResult>,
     /// All that is wrong, errors first.
     pub diagnostics: Vec<Diagnostic>,
@@ -45,20 +45,30 @@ pub struct Results {
     pub count: u64,
     /// Places in `diagnostics` by node, and by every instance that a node stands in.
     of: HashMap<String, Vec<u32>>,
+    /// Instances in `nodes`.
+    summed: Vec<String>,
+    /// Nodes may have gone with the request of this number.
+    may_be_gone: Option<u64>,
     revision: u64,
     stage: Option<Stage>,
 }
 
 impl Results {
-    pub(super) fn take(&mut self, update: Update) {
+    /// Takes what the evaluation of a document has to tell.
+    pub(super) fn take(&mut self, update: Update, document: &Document) {
         match update {
             Update::Progress(progress) => self.progress = Some(progress),
-            Update::Done(done) => self.done(*done),
+            Update::Done(done) => self.done(*done, document),
             Update::Lost(_) => {}
         }
     }
 
-    fn done(&mut self, done: Done) {
+    /// Nodes may be gone once the evaluation knows of so many requests.
+    pub(super) fn forget_what_is_gone(&mut self, revision: u64) {
+        self.may_be_gone = Some(revision);
+    }
+
+    fn done(&mut self, done: Done, document: &Document) {
         self.count += 1;
         self.cancelled = done.report.cancelled;
         self.stopped_at = self.progress.take().map(|p| p.node).filter(|_| self.cancelled);
@@ -71,6 +81,9 @@ impl Results {
             Stage::Shown => self.shown_in = done.report.elapsed,
             Stage::All => self.elapsed = done.report.elapsed,
         }
+        for instance in self.summed.drain(..) {
+            self.nodes.remove(&instance);
+        }
         for n in done.report.nodes.iter() {
             let entry = self.nodes.entry(n.id.to_string());
             let node = entry.or_insert(NodeResult { happened: n.happened, time: n.time, bytes: n.bytes });
@@ -78,7 +91,11 @@ impl Results {
             let time = if n.happened == Happened::Executed { n.time } else { node.time };
             *node = NodeResult { happened: n.happened, time, bytes: n.bytes };
         }
-        self.sum_instances();
+        if let Some(revision) = self.may_be_gone {
+            self.nodes.retain(|path, _| instances(document, path).is_some());
+            self.may_be_gone = Some(revision).filter(|r| done.revision < *r);
+        }
+        self.sum_instances(document);
         if done.stage == Stage::All {
             self.diagnostics = done.report.diagnostics;
             for fault in done.faults {
@@ -117,18 +134,23 @@ impl Results {
         }
     }
 
-    /// What is inside an instance counts for the instance.
-    fn sum_instances(&mut self) {
+    /// What is inside an instance counts for it, and for every instance that it stands in.
+    fn sum_instances(&mut self, document: &Document) {
         let mut sums: HashMap<String, NodeResult> = HashMap::new();
-        for (path, r) in &self.nodes {
-            let Some((instance, _)) = path.split_once('/') else { continue };
-            let sum = sums.entry(instance.to_owned()).or_insert(NodeResult { time: Duration::ZERO, bytes: 0, ..*r });
-            sum.time += r.time;
-            sum.bytes += r.bytes;
-            if matches!(r.happened, Happened::Failed | Happened::Blocked) {
-                sum.happened = r.happened;
+        for (path, r) in self.nodes.iter().filter(|(path, _)| path.contains('/')) {
+            for instance in instances(document, path).into_iter().flatten() {
+                let sum =
+                    sums.entry(instance.to_owned()).or_insert(NodeResult { time: Duration::ZERO, bytes: 0, ..*r });
+                sum.time += r.time;
+                sum.bytes += r.bytes;
+                match r.happened {
+                    Happened::Failed => sum.happened = r.happened,
+                    Happened::Blocked if sum.happened != Happened::Failed => sum.happened = r.happened,
+                    _ => {}
+                }
             }
         }
+        self.summed = sums.keys().cloned().collect();
         self.nodes.extend(sums);
     }
 
@@ -156,5 +178,58 @@ impl Results {
     pub fn counts(&self) -> (usize, usize) {
         let count = |s| self.diagnostics.iter().filter(|d| d.severity == s).count();
         (count(Severity::Error), count(Severity::Warning))
+    }
+}
+
+/// The paths of the instances that a node stands in, from the outside; none if there is no such node. Ids may have a slash in
+/// them, so the document says where one ends. O(levels of clusters).
+fn instances<'a>(document: &Document, path: &'a str) -> Option<Vec<&'a str>> {
+    fn go<'a, 'd>(
+        document: &'d Document,
+        (body, names): (&'d Document, &mut Vec<&'d str>),
+        (path, from): (&'a str, usize),
+        found: &mut Vec<&'a str>,
+    ) -> bool {
+        let rest = &path[from..];
+        if body.nodes().contains_key(rest) {
+            return true;
+        }
+        for (end, _) in rest.match_indices('/') {
+            let Some(cluster) = body.nodes().get(&rest[..end]).and_then(Node::cluster) else { continue };
+            names.push(cluster);
+            found.push(&path[..from + end]);
+            let inner = document.definition(names.iter().copied());
+            if inner.is_some_and(|(inner, _)| go(document, (inner, names), (path, from + end + 1), found)) {
+                return true;
+            }
+            names.pop();
+            found.pop();
+        }
+        false
+    }
+    let mut found = Vec::new();
+    go(document, (document, &mut Vec::new()), (path, 0), &mut found).then_some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_instances_of_a_path_are_those_of_the_document() {
+        let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "clusters": {
+    "in": { "interface": { "version": 1 }, "nodes": { "n": { "type": "number", "v": 1 } } },
+    "out": { "interface": { "version": 1 }, "nodes": { "a/b": { "type": "cluster:in", "v": 1 } } }
+  },
+  "nodes": { "x": { "type": "cluster:out", "v": 1 }, "x/y": { "type": "number", "v": 1 } }
+}"#;
+        let document = Document::from_slice(text.as_bytes()).unwrap();
+        assert_eq!(instances(&document, "x/a/b/n"), Some(vec!["x", "x/a/b"]));
+        assert_eq!(instances(&document, "x/y"), Some(vec![]), "a node of its own");
+        assert_eq!(instances(&document, "x/a"), None);
+        assert_eq!(instances(&document, "x/a/b/m"), None);
     }
 }

@@ -155,7 +155,11 @@ fn profile(ui: &mut Ui, model: &Model) -> Option<String> {
     ScrollArea::vertical().auto_shrink(false).show_rows(ui, 18.0, all.len(), |ui, rows| {
         for (id, r) in all.get(rows).unwrap_or(&[]) {
             let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 18.0), Sense::click());
-            response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, format!("time of {id}")));
+            let (time, bytes) = (theme::duration(r.time), crate::canvas::bytes(r.bytes));
+            response.widget_info(|| WidgetInfo {
+                current_text_value: Some(format!("{time}, {bytes}")),
+                ..WidgetInfo::labeled(WidgetType::Button, true, format!("time of {id}"))
+            });
             let bars = Rect::from_min_max(rect.min + vec2(300.0, 2.0), rect.max - vec2(4.0, 2.0));
             let mut bar = bars;
             bar.set_width(bars.width().max(0.0) * (r.time.as_secs_f64() / most) as f32);
@@ -167,8 +171,8 @@ fn profile(ui: &mut Ui, model: &Model) -> Option<String> {
             let on = model.local(id).is_some_and(|id| critical.iter().any(|c| c == id));
             text(4.0, Align2::LEFT_CENTER, if on { "■".into() } else { String::new() });
             text(18.0, Align2::LEFT_CENTER, (*id).clone());
-            text(210.0, Align2::RIGHT_CENTER, theme::duration(r.time));
-            text(290.0, Align2::RIGHT_CENTER, crate::canvas::bytes(r.bytes));
+            text(210.0, Align2::RIGHT_CENTER, time);
+            text(290.0, Align2::RIGHT_CENTER, bytes);
             if response.clicked() {
                 go = Some((*id).clone());
             }

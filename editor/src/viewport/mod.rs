@@ -183,7 +183,11 @@ impl Viewport {
                 self.pick(ui, &response, model);
             }
         }
-        self.ruler.paint(&ui.painter_at(area), &Theme::of(ui), &self.camera, area);
+        if let Some((at, words)) = self.ruler.paint(&ui.painter_at(area), &Theme::of(ui), &self.camera, area) {
+            // Screen readers read it too.
+            let told = ui.interact(at, Id::new("measured"), Sense::hover());
+            told.widget_info(|| WidgetInfo::labeled(WidgetType::Label, true, &words));
+        }
         self.say_what_is_picked(ui, area, model);
         self.buttons(ui, area, model);
         self.legend(ui, area);

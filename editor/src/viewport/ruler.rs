@@ -45,21 +45,21 @@ impl Ruler {
         Some(format!("{:.2} mm  (x {:.2}, y {:.2}, z {:.2})", d.length(), d.x, d.y, d.z))
     }
 
-    /// Paints what was taken.
-    pub fn paint(&self, painter: &Painter, theme: &Theme, camera: &Camera, area: Rect) {
+    /// Paints what was taken; gives where the words stand.
+    pub fn paint(&self, painter: &Painter, theme: &Theme, camera: &Camera, area: Rect) -> Option<(Rect, String)> {
         let places: Vec<Pos2> = self.ends.iter().filter_map(|p| camera.project(area, *p)).collect();
         for p in &places {
             painter.circle(*p, 4.0, theme.selected, Stroke::new(1.0, theme.text));
         }
-        if let ([a, b], Some(words)) = (&places[..], self.words()) {
-            painter.line_segment([*a, *b], Stroke::new(2.0, theme.selected));
-            let middle = *a + (*b - *a) / 2.0;
-            let galley = painter.layout_no_wrap(words, FontId::proportional(13.0), theme.text);
-            let back = Rect::from_center_size(middle, galley.size()).expand(3.0);
-            painter.rect_filled(back, 3.0, theme.node);
-            let at = Align2::CENTER_CENTER.anchor_size(middle, galley.size()).min;
-            painter.galley(at, galley, theme.text);
-        }
+        let ([a, b], Some(words)) = (&places[..], self.words()) else { return None };
+        painter.line_segment([*a, *b], Stroke::new(2.0, theme.selected));
+        let middle = *a + (*b - *a) / 2.0;
+        let galley = painter.layout_no_wrap(words.clone(), FontId::proportional(13.0), theme.text);
+        let back = Rect::from_center_size(middle, galley.size()).expand(3.0);
+        painter.rect_filled(back, 3.0, theme.node);
+        let at = Align2::CENTER_CENTER.anchor_size(middle, galley.size()).min;
+        painter.galley(at, galley, theme.text);
+        Some((back, words))
     }
 }
 

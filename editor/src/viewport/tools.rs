@@ -6,8 +6,18 @@ use super::{Standard, Viewport};
 use crate::model::Model;
 use crate::panels::Browse;
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
-use eframe::egui::{self, DragValue, Rect, Ui};
+use eframe::egui::{self, DragValue, Rect, Response, TextStyle, Ui, WidgetInfo, WidgetType};
 use glam::DVec3;
+
+/// The least width of the list of what is shown in colours, points.
+const MEASURE: f32 = 90.0;
+
+/// A field of a number with its name for screen readers and tests.
+fn named(ui: &mut Ui, name: &str, field: DragValue<'_>) -> Response {
+    let response = ui.add(field);
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::DragValue, true, name));
+    response
+}
 
 impl Viewport {
     pub(super) fn buttons(&mut self, ui: &mut Ui, area: Rect, model: &mut Model) {
@@ -53,7 +63,16 @@ impl Viewport {
 
     fn choose_measure(&mut self, ui: &mut Ui, model: &Model) {
         let name = self.measure.as_ref().map_or("plain".to_owned(), Measure::name);
-        egui::ComboBox::from_id_salt("measure").selected_text(name).width(90.0).show_ui(ui, |ui| {
+        // A list does not go into the next line by itself.
+        let font = TextStyle::Button.resolve(ui.style());
+        let text = ui.painter().layout_no_wrap(name.clone(), font, ui.visuals().text_color()).size().x;
+        let (spacing, whole) = (ui.spacing().clone(), ui.max_rect().width());
+        let around = spacing.icon_width + spacing.icon_spacing + 2.0 * spacing.button_padding.x;
+        let width = (text + around).max(MEASURE).min(whole);
+        if width > ui.available_size_before_wrap().x {
+            ui.end_row();
+        }
+        egui::ComboBox::from_id_salt("measure").selected_text(name).width(width).truncate().show_ui(ui, |ui| {
             ui.selectable_value(&mut self.measure, None, "plain");
             let counts: Vec<usize> = model.results.drawings.values().map(|d| d.parts.len()).collect();
             let fits = |tree: &tenon_engine::Tree| {
@@ -88,9 +107,9 @@ impl Viewport {
         ui.separator();
         ui.horizontal(|ui| {
             let [w, h] = &mut self.picture_size;
-            ui.add(DragValue::new(w).range(16..=65536).speed(8.0));
+            named(ui, "width of the picture", DragValue::new(w).range(16..=65536).speed(8.0));
             ui.label("×");
-            ui.add(DragValue::new(h).range(16..=65536).speed(8.0));
+            named(ui, "height of the picture", DragValue::new(h).range(16..=65536).speed(8.0));
             if ui.add_enabled(self.saving.is_none(), egui::Button::new("Save a picture …")).clicked() {
                 self.wants = Some(Browse::Picture);
                 ui.close();
@@ -132,10 +151,9 @@ impl Viewport {
         let [mut turn, mut tilt] = clip.angles();
         let before = [turn, tilt];
         ui.horizontal(|ui| {
-            ui.add(DragValue::new(&mut turn).speed(1.0).max_decimals(1).prefix("turned ").suffix("°"));
-            ui.add(
-                DragValue::new(&mut tilt).range(-90.0..=90.0).speed(1.0).max_decimals(1).prefix("tilted ").suffix("°"),
-            );
+            let angle = |value, words| DragValue::new(value).speed(1.0).max_decimals(1).prefix(words).suffix("°");
+            named(ui, "turn of the section", angle(&mut turn, "turned "));
+            named(ui, "tilt of the section", angle(&mut tilt, "tilted ").range(-90.0..=90.0));
         });
         if [turn, tilt] != before {
             *clip = clip.turned([turn, tilt], clip.normal * clip.at);
