@@ -126,13 +126,14 @@ fn other_keys_wait_while_a_point_is_dragged() {
 fn escape_leaves_a_field_a_menu_or_a_window_first_and_selects_nothing_only_then() {
     let mut w = window("first");
     w.click(point(&w));
+    let before = points(&w);
     let chosen = |w: &Window| w.harness.state().model.selection.iter().cloned().collect::<Vec<_>>();
     assert_eq!(chosen(&w), ["c"]);
     // A coordinate that is being typed.
     w.click(w.rect("x of c.points 2").center());
     w.type_text("7");
     w.key(Modifiers::NONE, Key::Escape);
-    assert_eq!(chosen(&w), ["c"]);
+    assert_eq!((chosen(&w), points(&w)), (vec!["c".to_owned()], before.clone()));
     assert_nothing_is_open(&mut w);
     // Menus, the keys, a table.
     for label in ["More", "Views"] {
@@ -146,8 +147,23 @@ fn escape_leaves_a_field_a_menu_or_a_window_first_and_selects_nothing_only_then(
     assert!(!w.has("F3") && chosen(&w) == ["c"]);
     w.double_click(w.rect("input c.points").center());
     w.settle();
+    // First the cell that is typed in, then the table.
+    w.click(w.rect("x of 2").center());
+    w.type_text("77");
+    w.key(Modifiers::NONE, Key::Escape);
+    assert!(w.has("Add a row"));
+    assert_eq!(points(&w), before);
+    assert_nothing_is_open(&mut w);
     w.key(Modifiers::NONE, Key::Escape);
     assert!(!w.has("Add a row") && chosen(&w) == ["c"]);
+    // A value in the inspector.
+    w.app().model.selection = ["n".to_owned()].into();
+    w.steps(2);
+    w.click(w.rect("value of n.value").center());
+    w.type_text("8");
+    w.key(Modifiers::NONE, Key::Escape);
+    assert_eq!((w.param("n", "value").as_str(), chosen(&w)), ("51", vec!["n".to_owned()]));
+    assert_nothing_is_open(&mut w);
     w.key(Modifiers::NONE, Key::Escape);
     assert!(chosen(&w).is_empty());
 }

@@ -227,7 +227,9 @@ impl App {
         if let Some(what) = self.viewport.wants.take() {
             self.browse(ui.ctx(), what);
         }
-        self.answered(ui);
+        if !self.asks() {
+            self.answered(ui);
+        }
         if let Some(said) = self.viewport.follow(ui.ctx(), &mut self.model) {
             self.said = Some(said);
         }

@@ -305,6 +305,7 @@ impl eframe::App for App {
     fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
         self.model.poll();
         self.examples.poll();
+        self.boards.poll();
         self.keys(ui);
         egui::Panel::top("menus").show(ui, |ui| self.menus(ui));
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));

@@ -87,6 +87,11 @@ impl BoardView {
         self.plays.settled() && self.carver.as_ref().is_none_or(Carver::settled)
     }
 
+    /// Takes what was made beside the window, also while this is not shown.
+    pub fn poll(&mut self) {
+        self.plays.poll();
+    }
+
     /// Finds boards and programs, if the results have changed.
     pub fn look(&mut self, ctx: &Context, model: &Model) {
         let same = |(count, selection): &(u64, BTreeSet<String>)| {

@@ -67,7 +67,9 @@ impl Chooser {
                 }
                 let (height, gap) = (ui.spacing().interact_size.y, ui.spacing().item_spacing.y);
                 let mut list = ScrollArea::vertical().max_height(LIST);
-                if down || up {
+                if field.changed() || !self.begun {
+                    list = list.vertical_scroll_offset(0.0);
+                } else if down || up {
                     let top = self.chosen as f32 * (height + gap);
                     let offset = self.scrolled.clamp((top + height - LIST).max(0.0), top.max(0.0));
                     list = list.vertical_scroll_offset(offset);

@@ -6,6 +6,9 @@ use crate::model::catalog::letters_in_order;
 use crate::theme;
 use eframe::egui::{Pos2, Rect, Response, RichText, Sense, Ui, vec2};
 
+/// So many letters of a text are looked at.
+const WORDS: usize = 300;
+
 /// What came of a frame of the search.
 pub enum Sought {
     /// It stays open.
@@ -82,6 +85,9 @@ impl Search {
             // Of notes and of texts what they say.
             let text = ["text", "value"].into_iter().find_map(|port| node.params.get(port)?.as_str());
             let words = node.more.note.as_deref().or(text).unwrap_or_default();
+            // A whole program may stand there.
+            let end = words.char_indices().nth(WORDS).map_or(words.len(), |(end, _)| end);
+            let words = &words[..end];
             let hit = Hit { id, title: info.title.clone(), category: info.category.clone(), words };
             rank(&hit, &info.type_name.to_lowercase(), &typed).map(|rank| (rank, hit))
         });

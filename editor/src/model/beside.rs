@@ -4,6 +4,29 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::thread::JoinHandle;
+
+/// Makes something on a thread of its own. `wake` is called from there in the end, also if it has panicked: then nothing comes.
+///
+/// # Errors
+/// If the system gives no thread.
+pub(super) fn spawn<T: Send + 'static>(
+    name: &str,
+    wake: impl FnOnce() + Send + 'static,
+    make: impl FnOnce() -> T + Send + 'static,
+) -> std::io::Result<(JoinHandle<()>, Receiver<T>)> {
+    let (tell, told) = channel();
+    let work = move || {
+        if let Ok(made) = catch_unwind(AssertUnwindSafe(make)) {
+            // Nobody listens any more once the window is closed.
+            let _ = tell.send(made);
+        }
+        // That nothing comes is told, too.
+        drop(tell);
+        wake();
+    };
+    Ok((std::thread::Builder::new().name(name.into()).spawn(work)?, told))
+}
 
 /// Something made from values, with the key that says which.
 pub struct Beside<T> {
@@ -43,18 +66,7 @@ impl<T: Send + 'static> Beside<T> {
         {
             return;
         }
-        let (tell, told) = channel();
-        let make = maker();
-        let work = move || {
-            if let Ok(made) = catch_unwind(AssertUnwindSafe(make)) {
-                // Nobody listens any more once the window is closed.
-                let _ = tell.send(made);
-            }
-            // That nothing comes is told, too.
-            drop(tell);
-            wake();
-        };
-        if std::thread::Builder::new().name("beside".into()).spawn(work).is_ok() {
+        if let Ok((_, told)) = spawn("beside", wake, maker()) {
             self.coming = Some((key, told));
         }
     }

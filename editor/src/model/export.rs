@@ -2,8 +2,9 @@
 //! for the disk.
 
 use super::Model;
+use super::beside::spawn;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, TryRecvError};
 use std::thread::JoinHandle;
 use tenon_engine::{Diagnostic, File};
 use tenon_nodes::host::made;
@@ -40,14 +41,8 @@ impl Model {
             return Err(Diagnostic::error("not-done", message).hint("wait until it is done, then export again"));
         }
         let (files, to, wake) = (self.results.files.clone(), folder.to_owned(), self.wake.clone());
-        let (tell, done) = channel();
-        let work = move || {
-            // Nobody listens any more once the window is closed.
-            let _ = tell.send(write(files, &to));
-            wake();
-        };
-        let thread = std::thread::Builder::new().name("export".into()).spawn(work);
-        let thread = thread.map_err(|e| Diagnostic::error("unwritable", e.to_string()))?;
+        let begun = spawn("export", move || wake(), move || write(files, &to));
+        let (thread, done) = begun.map_err(|e| Diagnostic::error("unwritable", e.to_string()))?;
         self.exporting = Some(Exporting { folder: folder.to_owned(), done, thread: Some(thread) });
         Ok(())
     }

@@ -104,7 +104,7 @@ impl Model {
     }
 
     /// Makes the document what another is, as one step.
-    fn become_like(&mut self, mut document: Document) -> Result<(), Diagnostic> {
+    pub(super) fn become_like(&mut self, mut document: Document) -> Result<(), Diagnostic> {
         document.migrate(&self.registry);
         let steps = self.document.diff(&document);
         if !steps.is_empty() {
@@ -203,6 +203,8 @@ impl Model {
         };
         let text = document.to_string_canonical_for(&self.registry);
         if text == self.saved.0 {
+            // It was looked at while it was being written.
+            self.message.take_if(|told| told.code == "changed-elsewhere");
             return;
         }
         if unsaved {

@@ -3,6 +3,7 @@
 //! are unknown. What a graph requires and is not there is told at the graph and at its nodes.
 
 use super::Model;
+use super::beside::spawn;
 use super::catalog::Catalog;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -64,18 +65,21 @@ impl Plugins {
         let requires = self.loaded_for.clone().unwrap_or_default();
         let wanted = Wanted::new(&requires, apart).hosted_by(self.host.clone());
         let (named, folders) = (self.named.clone(), self.folders.clone());
-        let (tell, done) = channel();
         let asked = named.clone();
         let work = move || {
             let mut registry = tenon_nodes::registry();
             let found = load_willing(&mut registry, &asked, &folders, &wanted);
-            let catalog = Catalog::new(&registry);
-            // Nobody listens any more once the window is closed.
-            let _ = tell.send(Loaded { registry, catalog, found });
-            wake();
+            Loaded { catalog: Catalog::new(&registry), registry, found }
         };
-        // Without a thread nobody answers, which is told as what could not be loaded.
-        let _ = std::thread::Builder::new().name("plugins".into()).spawn(work);
+        let awake = wake.clone();
+        let done = match spawn("plugins", move || awake(), work) {
+            Ok((_, done)) => done,
+            // Nobody answers, which is told as what could not be loaded.
+            Err(_) => {
+                wake();
+                channel().1
+            }
+        };
         self.coming = Some(Coming { what, named, done });
     }
 
@@ -87,11 +91,10 @@ impl Plugins {
             Err(TryRecvError::Disconnected) => None,
         };
         let Coming { what, named, .. } = self.coming.take()?;
-        let is_there = |path: &Path| {
-            let all = done.iter().flat_map(|d| d.found.plugins.iter().chain(&d.found.unfit));
-            all.into_iter().any(|plugin| plugin.path == path)
-        };
-        self.named.retain(|path| !named.contains(path) || is_there(path));
+        if let Some(done) = &done {
+            let all = || done.found.plugins.iter().chain(&done.found.unfit);
+            self.named.retain(|path| !named.contains(path) || all().any(|plugin| plugin.path == *path));
+        }
         Some(done.ok_or_else(|| Diagnostic::error("bad-plugin", format!("{what} could not be loaded"))))
     }
 
@@ -156,6 +159,8 @@ impl Model {
         match (loaded, self.plugins.next.take()) {
             (Err(why), next) => {
                 self.message = Some(why);
+                // The same graph opened again is another try.
+                self.plugins.loaded_for = None;
                 next.into_iter().for_each(|what| self.plugins.load(what, self.wake.clone()));
             }
             (Ok(loaded), next) => {
@@ -179,9 +184,11 @@ impl Model {
         if let Ok(saved) = Document::from_slice(self.saved.0.as_bytes()) {
             self.saved.0 = saved.to_string_canonical_for(&self.registry);
         }
-        // Steps that can be taken back speak of the nodes as they are.
         if self.history.steps() == (0, 0) {
             self.document.migrate(&self.registry);
+        } else if let Err(refused) = self.become_like(self.document.clone()) {
+            // What was done before speaks of the nodes as they were, so this is a step of its own.
+            self.message = Some(refused);
         }
         self.catalog_for_here();
         self.revision += 1;

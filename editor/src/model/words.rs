@@ -7,7 +7,12 @@ use tenon_engine::{Column, Text, Tree};
 pub fn words(column: &Column, i: usize, most: usize) -> String {
     let line = |c: char| if matches!(c, '\n' | '\r') { '↵' } else { c };
     match column.get::<Text>(i) {
-        Some(text) => cut(text.0.replace("\r\n", "\n").chars().map(line), most),
+        Some(text) => {
+            // Of \r\n one of both is shown. Only as much is read as is shown.
+            let after = text.0.chars().skip(1).map(Some).chain([None]);
+            let letters = text.0.chars().zip(after).filter(|(c, next)| (*c, *next) != ('\r', Some('\n')));
+            cut(letters.map(|(c, _)| line(c)), most)
+        }
         None if column.is_valid(i) => cut(column.summary(i).chars(), most),
         None => "(nothing)".to_owned(),
     }

@@ -77,7 +77,7 @@ fn held() -> Id {
     Id::new("widget with an open step")
 }
 
-/// Everything between taking a widget and letting it go is one step.
+/// Everything between taking a widget and letting it go is one step; Escape gives it up.
 pub(crate) fn step_around(ui: &Ui, model: &mut Model, response: &egui::Response) {
     let now = ui.data(|d| d.get_temp::<Id>(held()));
     if (response.drag_started() || response.gained_focus()) && now.is_none() {
@@ -85,8 +85,15 @@ pub(crate) fn step_around(ui: &Ui, model: &mut Model, response: &egui::Response)
         model.begin();
     }
     if (response.drag_stopped() || response.lost_focus()) && now == Some(response.id) {
-        ui.data_mut(|d| d.remove::<Id>(held()));
-        model.end();
+        let_go(ui, model);
+    }
+}
+
+fn let_go(ui: &Ui, model: &mut Model) {
+    ui.data_mut(|d| d.remove::<Id>(held()));
+    match ui.input(|i| i.key_pressed(egui::Key::Escape)) {
+        true => model.abort(),
+        false => model.end(),
     }
 }
 
@@ -96,8 +103,7 @@ fn close_what_is_gone(ui: &Ui, model: &mut Model) {
     let there = ui.ctx().read_response(id).is_some();
     let busy = ui.memory(|m| m.has_focus(id)) || ui.ctx().is_being_dragged(id);
     if !(there && busy) {
-        ui.data_mut(|d| d.remove::<Id>(held()));
-        model.end();
+        let_go(ui, model);
     }
 }
 

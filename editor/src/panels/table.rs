@@ -165,8 +165,10 @@ impl Table {
         if let Some(change) = change {
             self.apply(model, list, weights, change);
         }
-        if !busy && self.turning {
-            model.end();
+        match !busy && self.turning {
+            true if ui.input(|i| i.key_pressed(Key::Escape)) => model.abort(),
+            true => model.end(),
+            false => {}
         }
         self.turning = busy;
         true

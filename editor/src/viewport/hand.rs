@@ -4,7 +4,7 @@ use super::Camera;
 use super::section::Clip;
 use crate::model::Model;
 use crate::model::handle::{Handle, Place, set_weight, weight};
-use crate::panels::figure;
+use crate::panels::{escaped, figure};
 use crate::theme::Theme;
 use eframe::egui::{
     Area, Color32, DragValue, Frame, Id, Key, Order, Pos2, Rect, Sense, Stroke, Ui, WidgetInfo, WidgetType, vec2,
@@ -272,14 +272,15 @@ impl Hand {
             model.begin();
             self.turning = true;
         }
+        let escaped = escaped(ui);
         if to != handle.at
+            && !escaped
             && let Some(operation) = handle.move_to(to, model.document())
         {
             model.edit(operation);
         }
-        if settled && self.turning {
-            model.end();
-            self.turning = false;
+        if settled && std::mem::take(&mut self.turning) {
+            if escaped { model.abort() } else { model.end() }
         }
         shown.response.contains_pointer()
     }

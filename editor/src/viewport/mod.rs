@@ -22,7 +22,7 @@ pub use ruler::Ruler;
 pub use section::Clip;
 
 use crate::model::Model;
-use crate::panels::Browse;
+use crate::panels::{Browse, escaped};
 use crate::scene::Kind;
 use crate::theme::Theme;
 use analysis::{Colours, Measured};
@@ -268,7 +268,7 @@ impl Viewport {
             let response = ui.put(room, field).on_hover_text("drag or type; double-click beside: all figures again");
             response.widget_info(|| WidgetInfo::labeled(WidgetType::DragValue, true, name));
         }
-        if range != measured.shown && range[0] <= range[1] {
+        if range != measured.shown && range[0] <= range[1] && !escaped(ui) {
             self.range = Some((measured.measure.clone(), range));
         }
         let all = ui.interact(bar, Id::new("legend"), Sense::click());
