@@ -3,11 +3,9 @@
 
 use crate::logic::{self, target};
 use crate::{fill, median, open_drawn, print, print_times, settle, shell};
-use eframe::egui::{Event, Modifiers, PointerButton, vec2};
 use eframe::egui_wgpu::{RenderState, ScreenDescriptor};
 use eframe::wgpu;
 use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable as _;
 use serde_json::json;
 use std::time::{Duration, Instant};
 use tenon_editor::app::App;
@@ -69,34 +67,6 @@ fn frames_until_seen() {
     print("frames until new panels are seen", 256, f64::from(most), "frames", Some(2.0));
 }
 
-/// Frames while a hand drags a control point: how long each keeps the pointer waiting, up to the point where the adapter would
-/// draw.
-fn frames_while_dragging() {
-    let (mut harness, _) = open_drawn(Some(&shell()));
-    settle(&mut harness);
-    let at = harness.get_by_label("point arc.points 2").rect().center();
-    harness.hover_at(at);
-    harness.step();
-    let button = |pos, pressed| Event::PointerButton {
-        pos,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
-    harness.event(button(at, true));
-    harness.step();
-    let before = harness.state().model.results.count;
-    let times = (1..=120).map(|i| {
-        harness.hover_at(at + vec2(i as f32 * 0.5, i as f32 * 0.25));
-        logic::frame(&mut harness)
-    });
-    let times = times.collect();
-    harness.event(button(at, false));
-    settle(&mut harness);
-    assert!(harness.state().model.results.count > before + 1, "the shell follows");
-    print_times("frame while a control point is dragged", 256, times, Some(16.0));
-}
-
 /// Brings what a frame needs to the adapter, as the window does before it draws, and waits until it is there. The drawing itself
 /// is left out.
 fn bring(harness: &mut Harness<'static, App>, card: &RenderState) -> Duration {
@@ -151,5 +121,4 @@ pub fn figures() {
     frames(200);
     frames(2000);
     frames_until_seen();
-    frames_while_dragging();
 }
