@@ -1,20 +1,11 @@
 //! What takes long goes on beside the window, which says so: plugins that are loaded, files that are written, examples that are
 //! read.
 
-use crate::common::{Window, example, folder, graph, misbehaving_by};
+use crate::common::{TRUSTING, Window, example, folder, graph, misbehaving_by};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
-
-const TRUSTING: &str = r#"{
-  "format": "tenon",
-  "version": 1,
-  "nodes": {
-    "n": { "type": "number", "v": 1, "params": { "value": 7.25 } },
-    "p": { "type": "misbehaving.trusting", "v": 1, "inputs": { "x": { "from": ["n.value"] } } }
-  }
-}"#;
 
 /// Shows frames as long as something is told; gives how many there were, none of which may take long.
 fn frames_while(w: &mut Window, told: &str) -> usize {

@@ -21,6 +21,26 @@ pub const WRONG: &str = r#"{
   }
 }"#;
 
+/// A number, and a point at as much along X.
+pub const TWO: &str = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "a": { "type": "number", "v": 1, "params": { "value": 3 } },
+    "p": { "type": "point", "v": 1, "inputs": { "x": { "from": ["a.value"] } } }
+  }
+}"#;
+
+/// A number that goes into a node of the plugin of misdeeds, which gives it on.
+pub const TRUSTING: &str = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "n": { "type": "number", "v": 1, "params": { "value": 7.25 } },
+    "p": { "type": "misbehaving.trusting", "v": 1, "inputs": { "x": { "from": ["n.value"] } } }
+  }
+}"#;
+
 /// The shell, held to a proof so strict that it fails: tools that go over the edges of parts by no tenth of a millimetre leave
 /// stock standing.
 pub fn faulty_shell() -> PathBuf {

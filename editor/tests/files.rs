@@ -1,6 +1,6 @@
 //! Opening, saving, and what must not be lost.
 
-use crate::common::{Window, example, folder, graph, misbehaving, root};
+use crate::common::{TRUSTING, Window, example, folder, graph, misbehaving, root};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use tenon_engine::Operation;
@@ -155,17 +155,9 @@ fn what_a_missing_plugin_would_bring_is_told_at_the_node() {
 
 #[test]
 fn a_plugin_is_loaded_by_letting_its_library_fall_on_the_window_and_by_the_menu() {
-    let text = r#"{
-  "format": "tenon",
-  "version": 1,
-  "nodes": {
-    "n": { "type": "number", "v": 1, "params": { "value": 7.25 } },
-    "p": { "type": "misbehaving.trusting", "v": 1, "inputs": { "x": { "from": ["n.value"] } } }
-  }
-}"#;
     for (by_menu, name) in [(false, "plugin-dropped"), (true, "plugin-by-menu")] {
         let library = misbehaving(name);
-        let mut w = Window::open(Some(&graph(&format!("{name}-graph"), text)));
+        let mut w = Window::open(Some(&graph(&format!("{name}-graph"), TRUSTING)));
         assert!(w.has("problems of p"), "its type is not known");
         if by_menu {
             w.click(w.rect("File").center());

@@ -1,6 +1,6 @@
 //! Undo and redo without limit.
 
-use crate::common::{Window, graph};
+use crate::common::{TWO, Window, graph};
 use eframe::egui::{Key, Modifiers, PointerButton, vec2};
 use tenon_engine::Operation;
 
@@ -53,15 +53,7 @@ fn fifty_steps_go_back_and_forward_byte_for_byte() {
 
 #[test]
 fn fifty_steps_by_hand_go_back_and_forward() {
-    let text = r#"{
-  "format": "tenon",
-  "version": 1,
-  "nodes": {
-    "a": { "type": "number", "v": 1, "params": { "value": 3 } },
-    "p": { "type": "point", "v": 1, "inputs": { "x": { "from": ["a.value"] } } }
-  }
-}"#;
-    let mut w = Window::open(Some(&graph("by-hand", text)));
+    let mut w = Window::open(Some(&graph("by-hand", TWO)));
     let now = |w: &Window| w.text() + &w.harness.state().model.document().layout_to_string();
     let mut texts = vec![now(&w)];
     for i in 0..50 {

@@ -1,17 +1,8 @@
 //! Numbers that people slide: typed in the finder, made of numbers, put before inputs; and the graph's own inputs and outputs.
 
-use crate::common::{Window, graph};
+use crate::common::{TWO, Window, graph};
 use eframe::egui::{Key, Modifiers, PointerButton, Pos2, vec2};
 use tenon_editor::model::param::Widget;
-
-const TWO: &str = r#"{
-  "format": "tenon",
-  "version": 1,
-  "nodes": {
-    "a": { "type": "number", "v": 1, "params": { "value": 3 } },
-    "p": { "type": "point", "v": 1, "inputs": { "x": { "from": ["a.value"] } } }
-  }
-}"#;
 
 fn empty(w: &Window) -> Pos2 {
     w.rect("canvas").left_bottom() + vec2(60.0, -160.0)

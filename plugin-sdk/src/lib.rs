@@ -8,9 +8,11 @@ pub mod abi;
 #[cfg(feature = "host")]
 pub mod apart;
 pub mod author;
+#[cfg_attr(not(feature = "host"), allow(dead_code, reason = "it is the host that makes buffers"))]
+mod buffers;
 #[cfg(feature = "host")]
 pub mod check;
-#[cfg_attr(not(feature = "host"), allow(dead_code, reason = "it is the host that makes buffers"))]
+#[cfg_attr(not(feature = "host"), allow(dead_code, reason = "it is the host that says whether buffers go over"))]
 mod from_c;
 #[cfg(feature = "host")]
 pub mod load;
