@@ -47,7 +47,8 @@ pub fn run(start: Start) -> eframe::Result {
         .with_inner_size([1440.0, 900.0])
         .with_min_inner_size([480.0, 360.0])
         .with_app_id("tenon-editor");
-    let options = eframe::NativeOptions { viewport: window, ..Default::default() };
+    let mut options = eframe::NativeOptions { viewport: window, ..Default::default() };
+    viewport::write_directly(&mut options.wgpu_options.wgpu_setup);
     type Made = Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>>;
     let app = move |cc: &eframe::CreationContext<'_>| -> Made {
         app::positions::Positions::tell_if_asked(&cc.egui_ctx);

@@ -197,7 +197,9 @@ impl Window {
 
     /// The window at once, whatever is still being evaluated.
     pub fn unsettled(graph: Option<&Path>, size: Vec2) -> Self {
-        let builder = Harness::builder().with_size(size).with_max_steps(64).with_step_dt(1.0 / 60.0).wgpu();
+        let mut setup = egui_kittest::wgpu::default_wgpu_setup();
+        tenon_editor::viewport::write_directly(&mut setup);
+        let builder = Harness::builder().with_size(size).with_max_steps(64).with_step_dt(1.0 / 60.0).wgpu_setup(setup);
         let harness = builder.build_eframe(|cc| App::new(cc, graph).unwrap());
         Self { harness }
     }

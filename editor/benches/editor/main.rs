@@ -65,7 +65,9 @@ fn open(graph: Option<&Path>) -> Harness<'static, App> {
 /// The same with the adapter that there is.
 fn open_drawn(graph: Option<&Path>) -> (Harness<'static, App>, RenderState) {
     let mut card = None;
-    let builder = Harness::builder().with_size(vec2(1440.0, 900.0)).with_max_steps(64).wgpu();
+    let mut setup = egui_kittest::wgpu::default_wgpu_setup();
+    tenon_editor::viewport::write_directly(&mut setup);
+    let builder = Harness::builder().with_size(vec2(1440.0, 900.0)).with_max_steps(64).wgpu_setup(setup);
     let harness = builder.build_eframe(|cc| {
         card = cc.wgpu_render_state.clone();
         App::new(cc, graph).expect("a thread for evaluation")

@@ -25,7 +25,7 @@ pub const YIELDS: [&str; 1] = ["mesh"];
 /// So many parts are drawn on one thread at a time.
 const PIECE: usize = 4096;
 
-/// Bodies of no more vertices than this are one piece.
+/// Bodies of no more vertices than this are one piece: two bytes say which.
 const TOGETHER: usize = 1 << 16;
 
 /// A corner of a triangle.
@@ -53,15 +53,15 @@ pub struct Line {
 }
 
 /// Bodies as a card takes them: of every corner one vertex, of every edge two numbers. A triangle has normal and part of its
-/// first vertex, so that faces share the others.
+/// first vertex, so that faces share the others. No more than 65,536 vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bodies {
     /// Corners.
     pub vertices: Vec<Vertex>,
     /// Triangles, three vertices each.
-    pub triangles: Vec<u32>,
+    pub triangles: Vec<u16>,
     /// Edges, by their ends.
-    pub edges: Vec<[u32; 2]>,
+    pub edges: Vec<[u16; 2]>,
 }
 
 /// What is drawn, which also fixes its colour.
@@ -238,7 +238,7 @@ impl Drawing {
     fn draw_parts(&mut self, count: usize, one: impl Fn(&mut Self, usize, u32) + Sync) {
         let before = self.parts.len();
         let piece = |from: usize| {
-            let mut d = Self { bodies: vec![Bodies::default()], ..Self::empty(self.kind) };
+            let mut d = Self::empty(self.kind);
             (from..(from + PIECE).min(count)).for_each(|i| one(&mut d, i, (before + i) as u32));
             d.put_in_boxes();
             d
@@ -267,7 +267,7 @@ impl Drawing {
             self.bodies.push(b);
             return;
         };
-        let first = last.vertices.len() as u32;
+        let first = last.vertices.len() as u16;
         last.vertices.append(&mut b.vertices);
         last.triangles.extend(b.triangles.iter().map(|v| v + first));
         last.edges.extend(b.edges.iter().map(|e| e.map(|v| v + first)));
@@ -306,13 +306,28 @@ impl Drawing {
         });
         // The last faces have the fewest corners to choose from.
         let faces = (0..solid.face_count()).rev().map(|f| (solid.face(f), solid.planes[f].normal));
-        self.body(&solid.points, faces, part);
+        self.body(&solid.points, faces, false, part);
     }
 
-    /// A body of convex faces.
-    fn body<'a>(&mut self, points: &[DVec3], faces: impl Iterator<Item = (&'a [u32], DVec3)>, part: u32) {
-        let Some(mut own) = self.bodies.pop() else { return };
-        let first = own.vertices.len() as u32;
+    /// The piece of bodies that has room for so many vertices, taken out to be put back.
+    fn with_room(&mut self, vertices: usize) -> Bodies {
+        let room = |b: &Bodies| b.vertices.len() + vertices <= TOGETHER;
+        self.bodies.pop_if(|b| room(b)).unwrap_or_default()
+    }
+
+    /// Convex faces around a body, or, if it is open, faces on their own.
+    fn body<'a>(
+        &mut self,
+        points: &[DVec3],
+        faces: impl ExactSizeIterator<Item = (&'a [u32], DVec3)>,
+        open: bool,
+        part: u32,
+    ) {
+        if points.len() + faces.len() > TOGETHER {
+            return self.large_body(points, faces, open, part);
+        }
+        let mut own = self.with_room(points.len() + faces.len());
+        let first = own.vertices.len();
         let vertex = |p: &DVec3| Vertex { position: p.as_vec3().to_array(), normal: [0; 4], part };
         own.vertices.extend(points.iter().map(vertex));
         for (face, normal) in faces {
@@ -320,13 +335,13 @@ impl Drawing {
             self.face(face.iter().map(|v| points[*v as usize]), normal, part);
             let Some(normal) = self.triangles.get(corner).map(|v| v.normal) else { continue };
             // It begins at a corner at which no other face does, or else at one of its own.
-            let free = |v: &u32| own.vertices[(first + v) as usize].normal == [0; 4];
+            let free = |v: &u32| own.vertices[first + *v as usize].normal == [0; 4];
             let start = face.iter().position(free).unwrap_or(0);
-            let mut round = face[start..].iter().chain(&face[..start]).map(|v| first + v);
+            let mut round = face[start..].iter().chain(&face[..start]).map(|v| (first + *v as usize) as u16);
             let Some(mut begin) = round.next() else { continue };
             if own.vertices[begin as usize].normal != [0; 4] {
                 own.vertices.push(own.vertices[begin as usize]);
-                begin = own.vertices.len() as u32 - 1;
+                begin = (own.vertices.len() - 1) as u16;
             }
             own.vertices[begin as usize].normal = normal;
             let mut before = None;
@@ -335,15 +350,38 @@ impl Drawing {
                     own.triangles.extend([begin, before, v]);
                 }
             }
-            for (k, a) in face.iter().enumerate() {
-                let b = face[(k + 1) % face.len()];
-                // Every edge of a closed body is run along twice, in opposite directions.
-                if *a < b {
-                    own.edges.push([first + a, first + b]);
-                }
-            }
+            own.edges.extend(edges_of(face, open).map(|edge| edge.map(|v| (first + v as usize) as u16)));
         }
         self.bodies.push(own);
+    }
+
+    /// A body of more vertices than a piece can have: its triangles and edges share none.
+    fn large_body<'a>(
+        &mut self,
+        points: &[DVec3],
+        faces: impl Iterator<Item = (&'a [u32], DVec3)>,
+        open: bool,
+        part: u32,
+    ) {
+        for (face, normal) in faces {
+            let corner = self.triangles.len();
+            self.face(face.iter().map(|v| points[*v as usize]), normal, part);
+            for k in (corner..self.triangles.len()).step_by(3) {
+                let mut own = self.with_room(3);
+                let first = own.vertices.len() as u16;
+                own.vertices.extend_from_slice(&self.triangles[k..k + 3]);
+                own.triangles.extend([first, first + 1, first + 2]);
+                self.bodies.push(own);
+            }
+            for edge in edges_of(face, open) {
+                let mut own = self.with_room(2);
+                let first = own.vertices.len() as u16;
+                let end = |v: u32| Vertex { position: points[v as usize].as_vec3().to_array(), normal: [0; 4], part };
+                own.vertices.extend(edge.map(end));
+                own.edges.push([first, first + 1]);
+                self.bodies.push(own);
+            }
+        }
     }
 
     fn mesh(&mut self, mesh: &Mesh) {
@@ -362,11 +400,7 @@ impl Drawing {
             ..Part::new(label, mesh.face_centre(f))
         });
         let round: Vec<u32> = (0..corners.len() as u32).collect();
-        self.body(&corners, [(&round[..], mesh.face_normal(f).unwrap_or(DVec3::Z))].into_iter(), part);
-        if let (Some(own), Some(last @ 2..)) = (self.bodies.last_mut(), round.last()) {
-            let end = own.vertices.len() as u32 - 1;
-            own.edges.push([end, end - last]);
-        }
+        self.body(&corners, [(&round[..], mesh.face_normal(f).unwrap_or(DVec3::Z))].into_iter(), true, part);
     }
 
     fn curve(&mut self, curve: &Curve) {
@@ -390,6 +424,12 @@ impl Drawing {
         let corners = self.boxes.iter().filter(own).flat_map(|b| &self.triangles[b.corners.clone()]);
         corners.map(|v| DVec3::from(v.position.map(f64::from)))
     }
+}
+
+/// Edges of a face. Those of a closed body are run along twice, in opposite directions, and are edges once.
+fn edges_of(face: &[u32], open: bool) -> impl Iterator<Item = [u32; 2]> {
+    let next = face.iter().cycle().skip(1);
+    face.iter().zip(next).map(|(a, b)| [*a, *b]).filter(move |[a, b]| open && a != b || a < b)
 }
 
 #[cfg(test)]
@@ -419,6 +459,7 @@ mod tests {
             assert!(b.edges.iter().flatten().all(|v| (*v as usize) < b.vertices.len()));
         }
         assert_eq!(d.triangles.len(), d.bodies.iter().map(|b| b.triangles.len()).sum::<usize>());
+        assert!(d.bodies.iter().all(|b| b.vertices.len() <= TOGETHER));
         assert!(sums.values().all(|s| s.abs() < 1.0), "{sums:?}");
     }
 
@@ -428,15 +469,29 @@ mod tests {
             (0..8).map(|i| DVec3::from([i & 1, i >> 1 & 1, i >> 2].map(|c| f64::from(c) * 2.0))).collect();
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let normals = [-DVec3::Z, DVec3::Z, -DVec3::Y, DVec3::Y, -DVec3::X, DVec3::X];
-        let mut d = Drawing { bodies: vec![Bodies::default()], ..Drawing::empty(Kind::Panels) };
-        d.body(&corners, faces.iter().map(|f| &f[..]).zip(normals), 0);
+        let mut d = Drawing::empty(Kind::Panels);
+        d.body(&corners, faces.iter().map(|f| &f[..]).zip(normals), false, 0);
         assert_eq!((d.bodies[0].vertices.len(), edges(&d), d.triangles.len()), (8, 12, 36));
         bodies_are_the_triangles(&d);
         // Three faces that all have one triangle's corners cannot all begin at one of their own.
-        let mut d = Drawing { bodies: vec![Bodies::default()], ..Drawing::empty(Kind::Panels) };
+        let mut d = Drawing::empty(Kind::Panels);
         let same = [[0_u32, 1, 2]; 4];
-        d.body(&corners[..3], same.iter().map(|f| &f[..]).zip(normals), 0);
+        d.body(&corners[..3], same.iter().map(|f| &f[..]).zip(normals), false, 0);
         assert_eq!(d.bodies[0].vertices.len(), 4);
+        bodies_are_the_triangles(&d);
+    }
+
+    #[test]
+    fn a_body_of_more_corners_than_a_piece_can_number_is_several_pieces() {
+        const COUNT: usize = TOGETHER + 5_000;
+        let on_circle = |i: usize| {
+            let angle = i as f64 / COUNT as f64 * std::f64::consts::TAU;
+            DVec3::new(angle.cos(), angle.sin(), 0.0) * 1e4
+        };
+        let face: Box<[u32; COUNT]> = Box::new(std::array::from_fn(|i| i as u32));
+        let mesh = Mesh::from_faces((0..COUNT).map(on_circle).collect(), std::slice::from_ref(&*face));
+        let d = draw(&Tree::item(V::new(mesh))).unwrap();
+        assert_eq!((d.triangles.len(), edges(&d), d.parts.len()), (3 * (COUNT - 2), COUNT, 1));
         bodies_are_the_triangles(&d);
     }
 

@@ -137,6 +137,50 @@ struct Resources {
     target: Option<Target>,
 }
 
+/// Has an adapter that is the processor itself take buffers as they are written, in memory that both see. Cards take copies:
+/// their own memory is faster for them.
+pub fn write_directly(setup: &mut egui_wgpu::WgpuSetup) {
+    let egui_wgpu::WgpuSetup::CreateNew(new) = setup else { return };
+    let before = new.device_descriptor.clone();
+    new.device_descriptor = Arc::new(move |adapter| {
+        let mut device = before(adapter);
+        if adapter.get_info().device_type == wgpu::DeviceType::Cpu {
+            device.required_features |= adapter.features() & wgpu::Features::MAPPABLE_PRIMARY_BUFFERS;
+        }
+        device
+    });
+}
+
+/// A buffer with that in it, whose size is rounded up to a multiple of four.
+fn written(device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    let direct = device.features().contains(wgpu::Features::MAPPABLE_PRIMARY_BUFFERS);
+    let way = if direct { wgpu::BufferUsages::MAP_WRITE } else { wgpu::BufferUsages::COPY_DST };
+    let whole = bytes.len() as u64 / 4 * 4;
+    let size = (bytes.len() as u64).next_multiple_of(4);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size,
+        usage: usage | way,
+        mapped_at_creation: direct,
+    });
+    if direct {
+        if let Ok(mut there) = buffer.get_mapped_range_mut(..) {
+            there.slice(..bytes.len()).copy_from_slice(bytes);
+        }
+        buffer.unmap();
+        return buffer;
+    }
+    // By the queue: one that is mapped at its creation without being seen by both is filled with zeros and copied.
+    let (body, rest) = bytes.split_at(whole as usize);
+    queue.write_buffer(&buffer, 0, body);
+    if !rest.is_empty() {
+        let mut last = [0; 4];
+        last[..rest.len()].copy_from_slice(rest);
+        queue.write_buffer(&buffer, whole, &last);
+    }
+    buffer
+}
+
 /// Prepares the graphics card; says what it is.
 pub fn install(state: &egui_wgpu::RenderState) -> String {
     let pipelines = Pipelines::new(&state.device, state.target_format);
@@ -212,7 +256,7 @@ impl Pipelines {
         let face = wgpu::vertex_attr_array![0 => Float32x3, 1 => Snorm8x4, 2 => Uint32];
         let line = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Uint32];
         let point = wgpu::vertex_attr_array![0 => Float32x3];
-        let edge = wgpu::vertex_attr_array![0 => Uint32x2];
+        let edge = wgpu::vertex_attr_array![0 => Uint16x2];
         let pipeline = |name: &str, stride: u64, step_mode, attributes: &[wgpu::VertexAttribute]| {
             let layout = match name {
                 "photo" => &with_photo,
@@ -275,7 +319,7 @@ impl Pipelines {
             lines: pipeline("line", size_of::<Line>() as u64, wgpu::VertexStepMode::Instance, &line),
             points: pipeline("point", 12, wgpu::VertexStepMode::Instance, &point),
             photos: pipeline("photo", size_of::<Vertex>() as u64, wgpu::VertexStepMode::Vertex, &face),
-            edges: pipeline("edge", 8, wgpu::VertexStepMode::Instance, &edge),
+            edges: pipeline("edge", 4, wgpu::VertexStepMode::Instance, &edge),
             corner_layout,
             photo_layout,
             smooth: device.create_sampler(&wgpu::SamplerDescriptor {
@@ -361,18 +405,8 @@ impl Pipelines {
     }
 
     fn buffers(&self, device: &wgpu::Device, queue: &wgpu::Queue, shown: &Shown) -> Buffers {
-        let make = |bytes: &[u8], usage| {
-            device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents: bytes, usage })
-        };
-        // Written through the queue: a buffer that is mapped at its creation is filled with zeros first. On all threads: what
-        // takes time is the copy into memory that the card sees.
-        let written = |bytes: &[u8], usage| {
-            let (size, usage) = (bytes.len() as u64, usage | wgpu::BufferUsages::COPY_DST);
-            let buffer =
-                device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
-            queue.write_buffer(&buffer, 0, bytes);
-            buffer
-        };
+        // On all threads: what takes time is the copy into memory that the card sees.
+        let written = |bytes: &[u8], usage| written(device, queue, bytes, usage);
         let vertex = wgpu::BufferUsages::VERTEX;
         let chunks = |bytes: &[u8], item: usize| -> Vec<(wgpu::Buffer, u32)> {
             bytes.par_chunks(CHUNK).map(|c| (written(c, vertex), (c.len() / item) as u32)).collect()
@@ -390,11 +424,16 @@ impl Pipelines {
             BodyBuffers { vertices, triangles: (triangles, counts[0]), edges: (edges, counts[1]), corners }
         };
         let d = &shown.drawing;
-        let uniforms = make(&[0; size_of::<Uniforms>()], wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST);
+        let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
+            label: None,
+            size: size_of::<Uniforms>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
         let none = [0_u32];
         let colours: &[u32] = if shown.colours.is_empty() { &none } else { &shown.colours };
         // The last colour counts for all parts beyond it, so one zero is enough for none.
-        let colour_buffer = make(bytemuck::cast_slice(colours), wgpu::BufferUsages::STORAGE);
+        let colour_buffer = written(bytemuck::cast_slice(colours), wgpu::BufferUsages::STORAGE);
         let group = self.group(device, &uniforms, &colour_buffer);
         Buffers {
             digest: d.digest,
@@ -566,7 +605,7 @@ impl Frame {
             for body in &b.bodies {
                 pass.set_pipeline(&pipelines.faces);
                 pass.set_vertex_buffer(0, body.vertices.slice(..));
-                pass.set_index_buffer(body.triangles.0.slice(..), wgpu::IndexFormat::Uint32);
+                pass.set_index_buffer(body.triangles.0.slice(..), wgpu::IndexFormat::Uint16);
                 pass.draw_indexed(0..body.triangles.1, 0, 0..1);
                 if body.edges.1 > 0 {
                     pass.set_pipeline(&pipelines.edges);

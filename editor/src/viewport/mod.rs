@@ -14,8 +14,8 @@ mod tools;
 
 pub use analysis::Measure;
 pub use camera::{Camera, Standard};
-pub use gpu::install;
 pub(crate) use gpu::{Frame, Shown};
+pub use gpu::{install, write_directly};
 pub use hand::{Drag, Hand};
 pub use reference::{PICTURES, Reference, References, references};
 pub use ruler::Ruler;
