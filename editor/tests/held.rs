@@ -1,7 +1,7 @@
 //! What is held is one step, whatever happens to it meanwhile: Escape gives it up, other keys wait, nothing stays open.
 
 use crate::common::{Window, graph};
-use eframe::egui::{Key, Modifiers, Pos2, vec2};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, RawInput, vec2};
 
 const CURVE: &str = r#"{
   "format": "tenon",
@@ -166,4 +166,35 @@ fn escape_leaves_a_field_a_menu_or_a_window_first_and_selects_nothing_only_then(
     assert_nothing_is_open(&mut w);
     w.key(Modifiers::NONE, Key::Escape);
     assert!(chosen(&w).is_empty());
+}
+
+/// A frame that comes so many seconds after the one before and sees these things.
+fn later(w: &mut Window, seconds: f64, events: Vec<Event>) {
+    let ctx = w.harness.ctx.clone();
+    let time = Some(ctx.input(|i| i.time) + seconds);
+    let mut input = RawInput { time, ..Default::default() };
+    eframe::App::raw_input_hook(w.app(), &ctx, &mut input);
+    w.harness.input_mut().time = time;
+    events.into_iter().for_each(|e| w.harness.event(e));
+    w.steps(1);
+}
+
+#[test]
+fn a_slow_frame_between_two_clicks_leaves_them_a_double_click() {
+    let mut w = window("slow-frame");
+    let at = w.rect("canvas").center() + vec2(0.0, 160.0);
+    w.hover(at);
+    let button =
+        |pressed| Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE };
+    let click = || vec![button(true), button(false)];
+    // So far apart they are two, if the window had nothing to do.
+    later(&mut w, 3.0, click());
+    later(&mut w, 0.02, Vec::new());
+    later(&mut w, 0.7, click());
+    let finder = |w: &Window| w.harness.ctx.memory(|m| m.focused()).is_some();
+    assert!(!finder(&w));
+    // If what the first one asked for took so long, it is not known when the second one was.
+    later(&mut w, 3.0, click());
+    later(&mut w, 0.7, click());
+    assert!(finder(&w));
 }

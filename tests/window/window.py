@@ -96,15 +96,20 @@ class Window:
         x0, y0, x1, y1 = self.rect(name)
         return (x0 + x1) / 2, (y0 + y1) / 2
 
-    def until(self, so, what, seconds=20):
-        """Waits until something is so, and gives it."""
+    def comes(self, so, seconds):
+        """Waits so long until something is so, and gives it, or what is false of it."""
         end = time.monotonic() + seconds
         while True:
             it = so()
-            if it:
+            if it or time.monotonic() >= end:
                 return it
-            assert time.monotonic() < end, f"not within {seconds} s: {what}"
             time.sleep(0.01)
+
+    def until(self, so, what, seconds=20):
+        """Waits until something is so, and gives it."""
+        it = self.comes(so, seconds)
+        assert it, f"not within {seconds} s: {what}"
+        return it
 
     def frame(self):
         return self.seen()["frame"]
@@ -160,18 +165,21 @@ class Window:
         self.clicked = time.monotonic()
 
     def double_click(self, at, held=None):
-        """Clicks twice, apart from clicks before, which would make it three. A key that is held is let go once a field
-        has the keyboard."""
+        """Clicks twice, which is to open a field, apart from clicks before, which would make it three. A key that is held
+        is let go once the field has the keyboard. Where a busy machine swallowed a click, it is done again, as people do."""
         self.move(at)
-        time.sleep(max(0.0, self.clicked + 0.6 - time.monotonic()))
         if held:
             self.after(lambda: self.xdotool("keydown", held))
-        self.after(lambda: self.xdotool("click", "--repeat", "2", "--delay", "5", "1"))
-        self.clicked = time.monotonic()
-        if held:
-            try:
-                self.until(lambda: self.typed() is not None, f"two clicks with {held} open a field")
-            finally:
+        try:
+            for patience in (3, 6, 20):
+                time.sleep(max(0.0, self.clicked + 0.6 - time.monotonic()))
+                self.after(lambda: self.xdotool("click", "--repeat", "2", "--delay", "5", "1"))
+                self.clicked = time.monotonic()
+                if self.comes(lambda: self.typed() is not None, patience):
+                    return
+            raise AssertionError(f"two clicks with {held or 'no key'} open no field")
+        finally:
+            if held:
                 self.xdotool("keyup", held)
 
     def drag(self, start, end):

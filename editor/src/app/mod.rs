@@ -63,7 +63,15 @@ pub struct App {
     quits: bool,
     /// What the frame before left in hand.
     grip: Grip,
+    /// The frame before had something to do with pointer or keys, so that the next one followed at once.
+    heard: bool,
 }
+
+/// Two clicks no further apart than this are one double click, seconds: as long as desktops wait.
+const DOUBLE_CLICK: f64 = 0.45;
+
+/// A button that is down no longer than this is clicked, seconds.
+const CLICK: f64 = 0.8;
 
 /// What a frame leaves in hand for the next one. By the time that a frame sees Escape, what it was meant for is let go already.
 #[derive(Clone, Copy, Default)]
@@ -104,8 +112,7 @@ impl App {
         // A second pass over the same input would do twice what a key or a click asks for.
         ctx.options_mut(|o| {
             o.max_passes = std::num::NonZeroUsize::MIN;
-            // Clicks are timed by frames, which are slow where the processor draws; desktops wait as long.
-            o.input_options.max_double_click_delay = 0.45;
+            o.input_options.max_double_click_delay = DOUBLE_CLICK;
         });
         crate::theme::install(&ctx);
         let mut viewport = Viewport::default();
@@ -138,6 +145,7 @@ impl App {
             tour_waits: false,
             quits: false,
             grip: Grip::default(),
+            heard: false,
         };
         if let Some(graph) = graph {
             app.open(graph);
@@ -302,7 +310,21 @@ impl App {
 }
 
 impl eframe::App for App {
+    /// Clicks are timed by the frames that see them. What was clicked while a slow frame was drawn waited for its end, and that
+    /// time does not count.
+    fn raw_input_hook(&mut self, ctx: &egui::Context, input: &mut egui::RawInput) {
+        let waited = match (self.heard, input.time) {
+            (true, Some(now)) => (now - ctx.input(|i| i.time)).max(0.0),
+            _ => 0.0,
+        };
+        ctx.options_mut(|o| {
+            o.input_options.max_double_click_delay = DOUBLE_CLICK + waited;
+            o.input_options.max_click_duration = CLICK + waited;
+        });
+    }
+
     fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        self.heard = ui.input(|i| !i.raw.events.is_empty());
         self.model.poll();
         self.examples.poll();
         self.boards.poll();
