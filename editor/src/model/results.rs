@@ -39,7 +39,7 @@ pub struct Results {
     pub shown_in: Duration,
     /// The last evaluation was stopped.
     pub cancelled: bool,
-    /// Path of the node at which it was, if it told.
+    /// Path of the node that was cut short by that.
     pub stopped_at: Option<Arc<str>>,
     /// Counts what was taken.
     pub count: u64,
@@ -71,7 +71,8 @@ impl Results {
     fn done(&mut self, done: Done, document: &Document) {
         self.count += 1;
         self.cancelled = done.report.cancelled;
-        self.stopped_at = self.progress.take().map(|p| p.node).filter(|_| self.cancelled);
+        self.progress = None;
+        self.stopped_at = done.report.stopped_at.clone();
         self.revision = done.revision;
         self.stage = Some(done.stage);
         if done.report.cancelled {

@@ -35,6 +35,8 @@ pub(crate) struct Evaluation {
     pub clock: Instant,
     /// The reports before this one have their times.
     pub settled: usize,
+    /// The node that was cut short and how long it had run; of several the one that had run longest.
+    pub cut_short: Option<(u32, Duration)>,
 }
 
 /// Room for this many nodes is kept from one evaluation to the next: those of a slider are as large as the one before.
@@ -63,6 +65,7 @@ impl Evaluation {
             log,
             clock: start,
             settled: 0,
+            cut_short: None,
         }
     }
 
@@ -111,8 +114,11 @@ impl Session {
     }
 
     /// Remembers what was finished when the evaluation was cancelled, though nothing of it is put in place. What cheap nodes
-    /// made is taken along as well: that it was cheap would have to be found out.
-    pub(super) fn keep(&mut self, key: u128, outcome: Outcome, time: Duration) {
+    /// made is taken along as well: that it was cheap would have to be found out. Notes what was not finished.
+    pub(super) fn keep(&mut self, n: u32, key: u128, outcome: Outcome, time: Duration, e: &mut Evaluation) {
+        if outcome.cancelled && e.cut_short.is_none_or(|(_, longest)| longest < time) {
+            e.cut_short = Some((n, time));
+        }
         if !outcome.cancelled && !outcome.panicked {
             let reports: super::cache::Reports = (!outcome.reports.is_empty()).then(|| outcome.reports.into());
             let outputs = outcome.outputs.into_vec().into_boxed_slice();

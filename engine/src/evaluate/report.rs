@@ -288,6 +288,9 @@ pub struct Report {
     pub cache: Vec<Diagnostic>,
     /// It was cancelled and published nothing.
     pub cancelled: bool,
+    /// The node that was cut short by that, by its path; of several at once the one that had run longest. None if it came
+    /// between nodes.
+    pub stopped_at: Option<Arc<str>>,
     /// Time it took.
     pub elapsed: Duration,
 }

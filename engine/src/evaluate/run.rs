@@ -56,6 +56,7 @@ impl Session {
         self.settle(&mut evaluation, &meter);
         evaluation.level = level;
         if control.cancel.load(Ordering::Relaxed) {
+            report.stopped_at = evaluation.cut_short.map(|(n, _)| self.plan.ids[n as usize].into());
             self.take_back(evaluation, dirty_before);
             if let Some((goals, flags)) = asked_before {
                 (self.goals, self.asked) = (goals, None);
@@ -247,7 +248,7 @@ impl Session {
             let (outcome, end) = self.run_job(job, false, cancel, meter);
             let time = end - std::mem::replace(&mut e.clock, end);
             if cancel.load(Ordering::Relaxed) {
-                self.keep(key, outcome, time);
+                self.keep(n, key, outcome, time, e);
                 return false;
             }
             meter.finish(self.weight(n as usize));
@@ -258,8 +259,8 @@ impl Session {
         let outcomes = self.run_jobs(jobs, cancel, meter);
         e.clock = Instant::now();
         if cancel.load(Ordering::Relaxed) {
-            for ((_, key), (outcome, time)) in order.into_iter().zip(outcomes) {
-                self.keep(key, outcome, time);
+            for ((n, key), (outcome, time)) in order.into_iter().zip(outcomes) {
+                self.keep(n, key, outcome, time, e);
             }
             return false;
         }
