@@ -377,13 +377,7 @@ impl Paint<'_> {
     pub fn map(&self, shapes: &Shapes) {
         let Some((map, bounds)) = map(self.view, self.area, shapes) else { return };
         let (seen, scale) = (self.view.seen(self.area), map.width() / bounds.width());
-        self.painter.rect(
-            map,
-            3.0,
-            self.theme.node.gamma_multiply(0.9),
-            Stroke::new(1.0, self.theme.edge),
-            StrokeKind::Outside,
-        );
+        self.painter.rect(map, 3.0, self.theme.node, Stroke::new(1.0, self.theme.edge), StrokeKind::Outside);
         let painter = self.painter.with_clip_rect(map);
         let place = |p: Pos2| map.min + (p - bounds.min) * scale;
         for shape in &shapes.nodes {
