@@ -4,7 +4,7 @@
 use std::env::consts::{DLL_EXTENSION, EXE_EXTENSION};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::Once;
+use std::sync::{Mutex, Once, PoisonError};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
@@ -18,12 +18,17 @@ fn library() -> PathBuf {
     folder.unwrap_or_else(|| panic!("no {name} near {}", test.display())).to_owned()
 }
 
-/// Compiles a host with all warnings as errors, and gives the program.
+/// Compiles a host with all warnings as errors, once however many tests run it, and gives the program.
 #[track_caller]
 fn compile(source: &str, extra: &[&str]) -> PathBuf {
     let (compiler, standard) = if source.ends_with(".cpp") { ("c++", "-std=c++17") } else { ("cc", "-std=c11") };
     let name = format!("{}{}", source.replace('.', "_"), extra.join(""));
     let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    static MADE: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    if made.contains(&program) {
+        return program;
+    }
     let library = library();
     let done = Command::new(compiler)
         .args([standard, "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-g", "-O1"])
@@ -42,6 +47,7 @@ fn compile(source: &str, extra: &[&str]) -> PathBuf {
         .output()
         .unwrap();
     assert!(done.status.success(), "{source}: {}", String::from_utf8_lossy(&done.stderr));
+    made.push(program.clone());
     program
 }
 

@@ -193,7 +193,7 @@ fn a_killed_sweep_goes_on_where_it_was() {
     let keys = keys(&folder, "p.jsonl");
     let there = || keys.iter().filter(|k| folder.0.join("r").join(k).exists()).count();
     let stamp = |key: &String| std::fs::metadata(folder.0.join("r").join(key).join("result.json")).unwrap().modified();
-    let mut stamps: BTreeMap<String, _> = BTreeMap::new();
+    let (mut stamps, mut killed) = (BTreeMap::<String, _>::new(), 0);
     for round in 0..4_u64 {
         let mut child = Command::new(env!("CARGO_BIN_EXE_tenon"))
             .args(["sweep", "run", "p.jsonl", "--out", "r", "--jobs", "2"])
@@ -211,7 +211,7 @@ fn a_killed_sweep_goes_on_where_it_was() {
         std::thread::sleep(Duration::from_millis(7 * round));
         // SIGKILL; fails only if it has come to its end.
         let _ = child.kill();
-        child.wait().unwrap();
+        killed += usize::from(child.wait().unwrap().code().is_none());
         for key in keys.iter().filter(|k| folder.0.join("r").join(k).exists()) {
             // What has its name is whole, and is not made a second time.
             let (mine, other) = (contents(&folder, &format!("r/{key}")), contents(&folder, &format!("whole/{key}")));
@@ -220,7 +220,7 @@ fn a_killed_sweep_goes_on_where_it_was() {
             assert_eq!(*stamps.entry(key.clone()).or_insert(now), now, "{key} was evaluated twice");
         }
     }
-    assert!(!stamps.is_empty() && stamps.len() < keys.len(), "{} rows: the kills came too late", stamps.len());
+    assert!(!stamps.is_empty() && killed > 0, "{} rows: the kills came too late", stamps.len());
     let last = folder.tenon(&["sweep", "run", "p.jsonl", "--out", "r"]);
     assert_eq!(last.code, whole.code);
     assert!(contents(&folder, "r") == contents(&folder, "whole"));

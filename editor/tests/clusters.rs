@@ -261,7 +261,7 @@ fn instances_tell_what_is_inside_them_at_every_level_and_nothing_that_is_gone() 
     };
     // 160 000 points take megabytes.
     let whole = row(&w, "top");
-    assert!(whole.contains(" ms, ") && whole.ends_with(" MB"), "{whole}");
+    assert!(whole.contains("s, ") && whole.ends_with(" MB"), "{whole}");
     assert_eq!(state(&w, "top"), whole.split(", ").next().unwrap());
     enter(&mut w, "top");
     assert!(row(&w, "top/low").ends_with(" MB"), "{}", row(&w, "top/low"));

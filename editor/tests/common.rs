@@ -249,6 +249,17 @@ impl Window {
         self.harness.query_by_label(label).is_some()
     }
 
+    /// Presses Enter and looks at the frames that follow, one by one, for words that may stand in few of them.
+    pub fn enter_shows(&mut self, words: &str) -> bool {
+        let (key, modifiers) = (Key::Enter, Modifiers::NONE);
+        let pressed = Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+        self.harness.input_mut().events.push(pressed);
+        (0..4).any(|_| {
+            self.harness.step();
+            self.has_containing(words)
+        })
+    }
+
     pub fn hover(&mut self, at: Pos2) {
         self.harness.hover_at(at);
         self.steps(1);

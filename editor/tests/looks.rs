@@ -125,7 +125,8 @@ fn a_header_says_how_long_its_node_took_or_what_keeps_it() {
 }"#;
     let mut w = Window::open(Some(&graph("headers", text)));
     let state = |w: &Window, node: &str| w.harness.get_by_label(&format!("node {node}")).value().unwrap();
-    assert!(state(&w, "long").ends_with(" ms"), "{}", state(&w, "long"));
+    let took = w.app().model.results.nodes["long"].time;
+    assert_eq!(state(&w, "long"), tenon_editor::theme::duration(took));
     for (node, words) in [("wrong", "failed"), ("after", "blocked"), ("off", "off")] {
         assert_eq!(state(&w, node), words);
     }

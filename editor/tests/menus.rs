@@ -87,9 +87,7 @@ fn a_large_mesh_is_read_beside_the_window_which_says_so() {
     w.click(w.rect("File").center());
     w.click(w.rect("Show a mesh or picture behind …").center());
     w.type_text(&mesh.to_string_lossy());
-    w.harness.key_press(Key::Enter);
-    w.steps(2);
-    assert!(w.has_containing("reading ") && references(&w.app().model).is_empty());
+    assert!(w.enter_shows("reading ") && references(&w.app().model).is_empty());
     w.settle();
     assert!(!w.has_containing("reading "), "{:?}", w.app().model.message);
     let boxes = w.harness.state().viewport.references.boxes(&w.harness.state().model);
@@ -156,6 +154,7 @@ fn an_example_is_opened_by_its_picture_and_by_a_node_that_it_uses() {
     let mut w = Window::open(Some(&graph("menu-examples", text)));
     w.click(w.rect("node m").center());
     w.tap("Examples");
+    w.settle();
     w.steps(20);
     w.tap("Open");
     w.settle();
@@ -167,6 +166,7 @@ fn an_example_is_opened_by_its_picture_and_by_a_node_that_it_uses() {
     let mut w = Window::open(Some(&graph("menu-small-examples", text)));
     w.click(w.rect("node m").center());
     w.tap("Examples");
+    w.settle();
     w.steps(20);
     w.tap("Open");
     w.settle();

@@ -44,7 +44,7 @@ fn a_slow_node_holds_no_frame_and_escape_stops_it() {
     let escaped = Instant::now();
     w.key(Modifiers::NONE, Key::Escape);
     while !w.app().model.settled() {
-        assert!(escaped.elapsed() < Duration::from_secs(5), "it does not stop");
+        assert!(escaped.elapsed() < Duration::from_secs(60), "it does not stop");
         std::thread::sleep(Duration::from_millis(5));
         w.steps(1);
     }

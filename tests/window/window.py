@@ -71,13 +71,13 @@ class Window:
     # What is seen.
 
     def seen(self):
-        """What the window tells: number of the frame, place of the pointer, widgets."""
+        """What the window tells: number of the frame, place of the pointer, whether a button is held, widgets."""
         code = self.process.poll()
         assert code is None, f"the window has ended with {code}: {Path(self.log.name).read_text()[-2000:]}"
         try:
             return json.loads(self.positions.read_text())
         except FileNotFoundError:
-            return {"frame": 0, "pointer": None, "focus": None, "widgets": []}
+            return {"frame": 0, "pointer": None, "down": False, "focus": None, "widgets": []}
 
     def widgets(self, name):
         return [w for w in self.seen()["widgets"] if w["name"] == name]
@@ -105,7 +105,7 @@ class Window:
                 return it
             time.sleep(0.01)
 
-    def until(self, so, what, seconds=20):
+    def until(self, so, what, seconds=60):
         """Waits until something is so, and gives it."""
         it = self.comes(so, seconds)
         assert it, f"not within {seconds} s: {what}"
@@ -125,7 +125,7 @@ class Window:
             if now != last:
                 last, since = now, time.monotonic()
 
-    def calm(self, seconds=20):
+    def calm(self, seconds=120):
         """Waits until the window draws nothing more."""
         end, last, since = time.monotonic() + seconds, None, time.monotonic()
         while time.monotonic() - since < 0.35:
@@ -135,7 +135,7 @@ class Window:
             assert time.monotonic() < end, "the window never comes to rest"
             time.sleep(0.02)
 
-    def settled(self, seconds=120):
+    def settled(self, seconds=300):
         """Waits until the evaluation is done, as the status line says."""
         self.calm(seconds)
         self.until(lambda: any(n["name"].startswith("done in") for n in self.seen()["widgets"]), "evaluated", seconds)
@@ -154,9 +154,11 @@ class Window:
 
     def press(self, button=1):
         self.after(lambda: self.xdotool("mousedown", str(button)))
+        self.until(lambda: self.seen()["down"], "a button is held")
 
     def let_go(self, button=1):
         self.after(lambda: self.xdotool("mouseup", str(button)))
+        self.until(lambda: not self.seen()["down"], "no button is held")
 
     def click(self, at, button=1):
         self.move(at)

@@ -35,11 +35,14 @@ pub enum Answer {
     Nobody(Browse),
 }
 
+/// A file, if one was chosen, and how long that took.
+type Answered = (Option<PathBuf>, Duration);
+
 /// The desktop's windows, of which one is open at most.
 #[derive(Default)]
 pub struct Dialogs {
     desktop: Option<Desktop>,
-    open: Option<(Browse, Instant, Receiver<Option<PathBuf>>)>,
+    open: Option<(Browse, Receiver<Answered>)>,
 }
 
 impl Dialogs {
@@ -69,28 +72,30 @@ impl Dialogs {
         let (tell, answer) = channel();
         let (ctx, what) = (ctx.clone(), wish.what.clone());
         let asked = std::thread::Builder::new().name("file dialog".into()).spawn(move || {
+            let begun = Instant::now();
+            let answer = desktop(&wish);
             // Nobody listens any more once the window is closed.
-            let _ = tell.send(desktop(&wish));
+            let _ = tell.send((answer, begun.elapsed()));
             ctx.request_repaint();
         });
         if asked.is_ok() {
-            self.open = Some((what, Instant::now(), answer));
+            self.open = Some((what, answer));
         }
         asked.is_ok()
     }
 
     /// What has been answered; never waits.
     pub fn answer(&mut self) -> Answer {
-        let Some((what, since, answer)) = self.open.take() else { return Answer::Nothing };
+        let Some((what, answer)) = self.open.take() else { return Answer::Nothing };
         match answer.try_recv() {
-            Ok(Some(path)) => Answer::Path(what, path),
-            Ok(None) if since.elapsed() >= TOO_SOON => Answer::Nothing,
-            Ok(None) | Err(TryRecvError::Disconnected) => {
+            Ok((Some(path), _)) => Answer::Path(what, path),
+            Ok((None, took)) if took >= TOO_SOON => Answer::Nothing,
+            Ok((None, _)) | Err(TryRecvError::Disconnected) => {
                 self.desktop = None;
                 Answer::Nobody(what)
             }
             Err(TryRecvError::Empty) => {
-                self.open = Some((what, since, answer));
+                self.open = Some((what, answer));
                 Answer::Nothing
             }
         }

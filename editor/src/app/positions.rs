@@ -40,9 +40,10 @@ impl egui::Plugin for Positions {
         self.frame += 1;
         let scale = f64::from(ctx.pixels_per_point());
         let pointer = ctx.pointer_latest_pos().map(|p| [p.x, p.y].map(|v| f64::from(v) * scale));
+        let down = ctx.input(|i| i.pointer.any_down());
         let widgets: Vec<Value> = update.nodes.iter().filter_map(|(_, node)| widget(node, scale)).collect();
         let focus = update.nodes.iter().find(|(id, _)| *id == update.focus).and_then(|(_, node)| widget(node, scale));
-        let all = json!({ "frame": self.frame, "pointer": pointer, "focus": focus, "widgets": widgets });
+        let all = json!({ "frame": self.frame, "pointer": pointer, "down": down, "focus": focus, "widgets": widgets });
         // Whoever reads it waits for the next one.
         let _ = tenon_nodes::host::output::write_quickly(&self.file, all.to_string().as_bytes());
     }

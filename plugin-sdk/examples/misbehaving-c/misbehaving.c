@@ -262,8 +262,8 @@ static const tenon_plugin plugin = {TENON_PLUGIN_MAGIC, sizeof(tenon_plugin), TE
 
 TENON_EXPORT const tenon_plugin *tenon_plugin_v1(void);
 const tenon_plugin *tenon_plugin_v1(void) {
-#ifdef LATE /* So many seconds pass before it says who it is. */
-    sleep(LATE);
+#ifdef LATE /* It does not say who it is before there is such a file. */
+    while (access(LATE, F_OK) != 0) usleep(10000);
 #endif
     return &plugin;
 }

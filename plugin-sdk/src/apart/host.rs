@@ -18,6 +18,8 @@ use std::time::{Duration, Instant};
 
 /// How often a process that works is looked at.
 const GLANCE: Duration = Duration::from_millis(20);
+/// How long a process may take to begin, however little its evaluations may: the system may have other things to do.
+const BIRTH: Duration = Duration::from_secs(10);
 /// How long one that was asked to stop may go on.
 const GRACE: Duration = Duration::from_secs(1);
 /// Processes whose shared memory grew beyond this are not kept.
@@ -88,7 +90,8 @@ impl Processes {
         let mut process = Process { id, socket, shared };
         process.socket.set_read_timeout(Some(GLANCE)).map_err(failed)?;
         process.socket.set_write_timeout(Some(self.limits.time)).map_err(failed)?;
-        match process.listen(ALONE, &self.limits) {
+        let limits = Limits { time: self.limits.time.max(BIRTH), ..self.limits };
+        match process.listen(ALONE, &limits) {
             Ok(told) => Ok((process, told)),
             Err(Silence::Died(why)) => Err(why),
             Err(Silence::Cancelled) => Err("it was cancelled".into()),

@@ -208,6 +208,21 @@ const DAYS: [Day; 10] = [
     Day::Choice(2),
 ];
 
+/// So soon a node ends that is told to.
+const AT_ONCE: Duration = Duration::from_millis(100);
+
+/// The least of several times, up to the first that is good enough: on a busy machine the process may be put aside.
+fn soonest(enough: Duration, run: impl Fn() -> Duration) -> Duration {
+    let mut least = Duration::MAX;
+    for _ in 0..20 {
+        least = least.min(run());
+        if least <= enough {
+            break;
+        }
+    }
+    least
+}
+
 /// What is wrong with nodes, by node.
 fn each(plugin: &Plugin, wrong: impl Fn(&PluginNode) -> Option<String>) -> Vec<String> {
     plugin.nodes.iter().filter_map(|n| Some(format!("{}: {}", n.id, wrong(n)?))).collect()
@@ -448,9 +463,8 @@ pub(super) fn checks() -> Vec<Check> {
                 each(p, |n| {
                     let given = inputs(n, Day::Largest);
                     let wish = Wish { cancel_after: Some(0), ..Wish::default() };
-                    // The best of three: on a busy machine the process may be put aside.
-                    let time = (0..3).map(|_| run_with(n, &given, wish).time).min().unwrap_or_default();
-                    let late = time > Duration::from_millis(100);
+                    let time = soonest(AT_ONCE, || run_with(n, &given, wish).time);
+                    let late = time > AT_ONCE;
                     late.then(|| format!("it took {} ms", time.as_millis()))
                 })
             },
@@ -462,9 +476,8 @@ pub(super) fn checks() -> Vec<Check> {
                 each(p, |n| {
                     for at in [5, 40].map(Duration::from_millis) {
                         let (given, wish) = (inputs(n, Day::Largest), Wish { cancel_at: Some(at), ..Wish::default() });
-                        // The best of three: on a busy machine the process may be put aside.
-                        let time = (0..3).map(|_| run_with(n, &given, wish).time).min().unwrap_or_default();
-                        if time > at + Duration::from_millis(100) {
+                        let time = soonest(at + AT_ONCE, || run_with(n, &given, wish).time);
+                        if time > at + AT_ONCE {
                             return Some(format!("told after {} ms, it took {} ms", at.as_millis(), time.as_millis()));
                         }
                     }
@@ -506,7 +519,13 @@ pub(super) fn checks() -> Vec<Check> {
             about: "Nothing calls the host after evaluate has returned: there is nobody to listen.",
             run: |p| {
                 p.nodes.iter().for_each(|n| drop(run(n, Day::Good)));
-                std::thread::sleep(Duration::from_millis(200));
+                // A thread of its own may get its turn late on a busy machine.
+                for _ in 0..20 {
+                    std::thread::sleep(Duration::from_millis(10));
+                    if late_calls() > 0 {
+                        break;
+                    }
+                }
                 match late_calls() {
                     0 => Vec::new(),
                     n => vec![format!("{n} calls came late")],
