@@ -422,3 +422,72 @@ fn points_at_an_input_are_drawn_and_dragged_put_in_and_taken_away() {
     w.steps(2);
     assert!(handle(&w, 1).y == handle(&w, 2).y, "all have the same y");
 }
+
+#[test]
+fn wires_from_nodes_that_were_not_copied_stay_where_they_were() {
+    let wired = TWO.replace(
+        r#""type": "point", "v": 1"#,
+        r#""type": "point", "v": 1, "inputs": { "x": { "from": ["a.value"] } }"#,
+    );
+    let mut w = Window::open(Some(&graph("copied-wires", &wired)));
+    w.app().model.selection = ["p".to_owned()].into();
+    let text = w.app().model.copy().unwrap();
+    let paste = |w: &mut Window| {
+        w.harness.event(eframe::egui::Event::Paste(text.clone()));
+        w.steps(2);
+        let id = w.app().model.selection.first().cloned().unwrap();
+        w.app().model.document().nodes()[&id].inputs.values().map(|i| i.from.len()).sum::<usize>()
+    };
+    assert_eq!(paste(&mut w), 1, "beside what it was copied from it is wired as that");
+    // Another graph has an `a`, too, which is another one.
+    let mut other = Window::open(Some(&graph("copied-elsewhere", TWO)));
+    assert_eq!(paste(&mut other), 0);
+    w.app().open(&graph("copied-later", TWO));
+    w.settle();
+    assert_eq!(paste(&mut w), 0);
+}
+
+#[test]
+fn a_long_text_is_work_while_it_is_typed() {
+    let path = graph("long-text", TWO);
+    let mut w = Window::open(Some(&path));
+    w.click_with(empty(&w), PointerButton::Secondary, Modifiers::NONE);
+    w.click(w.rect("Write a note").center());
+    let steps = w.app().model.steps().0;
+    w.type_text("The arc ");
+    w.type_text("spans 4.5 m.");
+    assert!(w.app().model.unsaved());
+    w.key(Modifiers::COMMAND, Key::S);
+    assert!(std::fs::read_to_string(&path).unwrap().contains("spans 4.5 m."));
+    w.type_text(" And more.");
+    assert!(w.app().model.unsaved());
+    w.key(Modifiers::COMMAND, Key::Enter);
+    assert_eq!(w.param("note", "text"), "\"The arc spans 4.5 m. And more.\"");
+    assert_eq!(w.app().model.steps().0, steps + 1, "one step");
+    // Escape gives up what was typed last.
+    w.double_click(w.rect("node note").center());
+    w.key(Modifiers::COMMAND, Key::A);
+    w.type_text("Nothing.");
+    w.key(Modifiers::NONE, Key::Escape);
+    assert_eq!(w.param("note", "text"), "\"The arc spans 4.5 m. And more.\"");
+    // So is what stands in a short field when the graph is saved.
+    w.double_click(w.rect("input a.value").center());
+    w.key(Modifiers::COMMAND, Key::A);
+    w.type_text("17.5");
+    w.key(Modifiers::COMMAND, Key::S);
+    assert!(std::fs::read_to_string(&path).unwrap().contains("17.5"));
+}
+
+#[test]
+fn nodes_that_come_without_a_place_get_one() {
+    let mut w = Window::open(Some(&graph("homeless", TWO)));
+    for id in ["x", "y", "z"] {
+        let node = Box::new(tenon_engine::Node::new("point"));
+        w.app().model.apply(tenon_engine::Operation::AddNode { id: id.into(), node }).unwrap();
+    }
+    w.steps(2);
+    let all: Vec<_> = w.app().canvas.shapes.nodes.iter().map(|n| n.rect).collect();
+    for (i, a) in all.iter().enumerate() {
+        assert!(all[..i].iter().all(|b| !a.intersects(*b)), "{all:?}");
+    }
+}

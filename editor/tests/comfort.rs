@@ -163,6 +163,39 @@ fn the_desktop_is_asked_for_files_beside_the_window() {
 }
 
 #[test]
+fn a_name_whose_ending_the_desktop_did_not_see_is_asked_for_once_more() {
+    let (mut w, _) = opened("desktop-over");
+    let there = folder("desktop-over-out").join("there.tenon.json");
+    std::fs::write(&there, "precious").unwrap();
+    let short = there.with_file_name("there");
+    w.app().dialogs = Dialogs::answered_by(move |_| Some(short.clone()));
+    w.key(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    let start = Instant::now();
+    while !w.has("Save the graph") {
+        assert!(start.elapsed() < Duration::from_secs(60), "it is never asked for");
+        std::thread::sleep(Duration::from_millis(5));
+        w.steps(1);
+    }
+    assert_eq!(std::fs::read_to_string(&there).unwrap(), "precious");
+}
+
+#[test]
+fn ctrl_q_never_closes_the_window() {
+    let (mut w, _) = opened("ctrl-q");
+    w.double_click(w.rect("input a.value").center());
+    w.harness.input_mut().events.push(eframe::egui::Event::Key {
+        key: Key::Q,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::COMMAND,
+    });
+    w.harness.step();
+    let asked = w.harness.output().viewport_output.values().flat_map(|v| &v.commands);
+    assert_eq!(asked.filter(|c| **c == eframe::egui::ViewportCommand::Close).count(), 0);
+}
+
+#[test]
 fn where_no_desktop_answers_the_windows_own_browser_does() {
     let (mut w, _) = opened("nobody");
     w.app().dialogs = Dialogs::answered_by(|_| None);

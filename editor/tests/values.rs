@@ -176,3 +176,68 @@ fn the_number_of_problems_lies_beside_the_state_of_a_node() {
     assert_eq!(other(strip(badge.left() - 2.0, node.right() - 1.0)), 0, "no letter under it");
     assert!(other(strip(badge.left() - 40.0, badge.left() - 2.0)) > 20, "the state stands left of it");
 }
+
+#[test]
+fn what_is_typed_may_have_a_unit_of_its_own_wherever_it_is_typed() {
+    let mut w = Window::open(Some(&graph("units", POINTS)));
+    w.double_click(w.rect("input c.points").center());
+    w.fill("x of 1", "1.2 m");
+    w.fill("y of 2", "3cm");
+    w.fill("z of 2", "3 deg");
+    assert_eq!(w.param("c", "points"), "[[1200,-12345.125,0],[100,30,0]]", "an angle is no length");
+    w.key(Modifiers::NONE, Key::Escape);
+    w.app().model.selection = ["c".to_owned()].into();
+    w.settle();
+    w.click(w.rect("point c.points 2").center());
+    w.steps(3);
+    w.fill("z of c.points 2", "1 in");
+    assert_eq!(w.param("c", "points"), "[[1200,-12345.125,0],[100,30,25.4]]");
+    let text =
+        r#"{ "format": "tenon", "version": 1, "nodes": { "p": { "type": "point", "v": 1, "params": { "x": 7 } } } }"#;
+    let mut w = Window::open(Some(&graph("units-inspector", text)));
+    w.app().model.selection = ["p".to_owned()].into();
+    w.steps(3);
+    w.fill("value of p.x", "2 m");
+    assert_eq!(w.param("p", "x"), "2000");
+}
+
+#[test]
+fn a_number_keeps_the_digits_that_its_field_does_not_show() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": {
+    "c": { "type": "ifs_curve", "v": 1, "params": {
+      "points": [[0, 0.123456789, 0], [100, 5, 0], [200, 0, 0]], "weights": [1, 0.7071067811865476, 1] } },
+    "n": { "type": "number", "v": 1, "params": { "value": 3.141592653589793 } }
+  }
+}"#;
+    let mut w = Window::open(Some(&graph("digits", text)));
+    let before = w.text();
+    w.double_click(w.rect("input c.points").center());
+    for field in ["y of 1", "weight of 2", "z of 3"] {
+        w.click(w.rect(field).center());
+    }
+    w.key(Modifiers::NONE, Key::Tab);
+    w.key(Modifiers::NONE, Key::Escape);
+    w.key(Modifiers::NONE, Key::Escape);
+    w.app().model.selection = ["n".to_owned()].into();
+    w.steps(3);
+    w.click(w.rect("value of n.value").center());
+    w.key(Modifiers::NONE, Key::Tab);
+    assert_eq!((w.text(), w.app().model.steps().0), (before, 0));
+    // What is typed counts to its last digit.
+    w.fill("value of n.value", "2.7182818284590452");
+    assert_eq!(w.param("n", "value"), "2.718281828459045");
+}
+
+#[test]
+fn a_value_with_decimals_is_turned_by_decimals() {
+    let text = r#"{ "format": "tenon", "version": 1, "nodes": { "p": { "type": "point", "v": 1, "params": { "x": 21.5 } } } }"#;
+    let mut w = Window::open(Some(&graph("turned", text)));
+    let at = w.rect("input p.x").center();
+    w.drag(at, at + eframe::egui::vec2(12.0, 0.0));
+    let value: f64 = w.param("p", "x").parse().unwrap();
+    let steps = (value - 21.5) / 0.2;
+    assert!(value > 21.5 && value < 24.0 && (steps - steps.round()).abs() < 1e-6, "{value}");
+}

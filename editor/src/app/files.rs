@@ -47,6 +47,7 @@ impl App {
             self.browse(ctx, Browse::Save);
             return false;
         }
+        self.canvas.settle(&mut self.model);
         let saved = self.model.save(path);
         let done = saved.is_ok();
         self.model.message = saved.err();
@@ -54,6 +55,7 @@ impl App {
     }
 
     pub(super) fn leave(&mut self, ui: &Ui, to: Leave) {
+        self.canvas.settle(&mut self.model);
         if self.model.unsaved() && self.leaving.as_ref() != Some(&to) {
             self.leaving = Some(to);
             return;
@@ -90,9 +92,13 @@ impl App {
             Answer::Nothing => {}
             Answer::Nobody(what) => self.browser = Some(Browser::new(what, self.model.path())),
             Answer::Path(what, path) => {
-                // Whether a file may be written over, the desktop has asked.
-                let path = if what.writes() { what.with_ending(path) } else { path };
-                self.chosen(ui, what, &path);
+                let named = if what.writes() { what.with_ending(path.clone()) } else { path.clone() };
+                if named != path && named.exists() {
+                    // Whether a file may be written over, the desktop has asked of another name.
+                    self.browser = Some(Browser::at(what, &named));
+                } else {
+                    self.chosen(ui, what, &named);
+                }
             }
         }
     }
@@ -247,6 +253,9 @@ impl App {
         }
         self.ask(ui);
         let closes = ui.input(|i| i.viewport().close_requested()) && !self.quits;
+        if closes {
+            self.canvas.settle(&mut self.model);
+        }
         if closes && self.leaving != Some(Leave::Quit) && self.model.unsaved() {
             ui.ctx().send_viewport_cmd(ViewportCommand::CancelClose);
             self.leaving = Some(Leave::Quit);

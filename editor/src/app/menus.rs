@@ -164,7 +164,7 @@ impl App {
         }
     }
 
-    pub(super) fn copy(&self, ui: &Ui) {
+    pub(super) fn copy(&mut self, ui: &Ui) {
         if let Some(text) = self.model.copy() {
             ui.ctx().copy_text(text);
         }

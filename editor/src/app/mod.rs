@@ -113,6 +113,9 @@ impl App {
         ctx.options_mut(|o| {
             o.max_passes = std::num::NonZeroUsize::MIN;
             o.input_options.max_double_click_delay = DOUBLE_CLICK;
+            // Its keys mean something else here; how large everything is, the preferences say.
+            o.quit_shortcuts.clear();
+            o.zoom_with_keyboard = false;
         });
         crate::theme::install(&ctx);
         let mut viewport = Viewport::default();

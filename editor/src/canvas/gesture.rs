@@ -65,6 +65,8 @@ pub enum Gesture {
         value: f64,
         /// Change per point.
         step: f64,
+        /// Only whole numbers.
+        integer: bool,
         /// Where it began.
         from: Pos2,
     },
@@ -272,7 +274,7 @@ impl Canvas {
             }
             Row::Input(_, Some(Widget::Number { value, integer })) => {
                 let step = if *integer { 0.2 } else { round_step(value.abs().max(1.0) / 100.0) };
-                Gesture::Turn { node, port, value: *value, step, from: at }
+                Gesture::Turn { node, port, value: *value, step, integer: *integer, from: at }
             }
             _ => {
                 self.choose(n, false, model);
@@ -315,9 +317,9 @@ impl Canvas {
                 let value = slider.at(f64::from((at.x - row.left()) / row.width().max(1.0)));
                 set(node, port, value, model);
             }
-            Gesture::Turn { node, port, value, step, from } => {
+            Gesture::Turn { node, port, value, step, integer, from } => {
                 let turned = *value + f64::from(((at.x - from.x) / 2.0).round()) * *step;
-                let value = if *step == 0.2 { turned.round() } else { turned };
+                let value = if *integer { turned.round() } else { turned };
                 set(node, port, value, model);
             }
         }

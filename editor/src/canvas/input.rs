@@ -33,6 +33,8 @@ pub struct Typing {
     begun: bool,
     /// It asked for the keyboard and has not got it yet.
     asked: bool,
+    /// What was typed is in the graph already, as a step that is still open.
+    live: bool,
     /// The entries to choose from are to be edited.
     pub entries: bool,
 }
@@ -54,6 +56,7 @@ impl Typing {
             text: param::to_text(value.as_ref()),
             begun: false,
             asked: false,
+            live: false,
             entries: false,
         }
     }
@@ -81,7 +84,17 @@ impl Typing {
 
     fn empty() -> Self {
         let (node, text) = (String::new(), String::new());
-        Self { node, what: What::Id, lines: false, raw: false, text, begun: false, asked: false, entries: false }
+        Self {
+            node,
+            what: What::Id,
+            lines: false,
+            raw: false,
+            text,
+            begun: false,
+            asked: false,
+            live: false,
+            entries: false,
+        }
     }
 
     /// The input whose value is typed.
@@ -187,7 +200,18 @@ impl Typing {
             return true;
         }
         if ui.input(|i| i.key_pressed(Key::Escape)) {
+            if self.live {
+                model.abort();
+            }
             return false;
+        }
+        if self.lines && field.changed() {
+            // A long text is work that is saved, kept and asked for while it is typed; all of it is one step.
+            if !self.live {
+                model.begin();
+                self.live = true;
+            }
+            self.commit(model);
         }
         let enter = ui.input(|i| i.key_pressed(Key::Enter) && (!self.lines || i.modifiers.command));
         if enter {
@@ -233,7 +257,8 @@ impl Typing {
         Some(Operation::All(typed.params().into_iter().map(set).collect()))
     }
 
-    fn commit(&self, model: &mut Model) {
+    /// Puts what was typed into the graph.
+    pub fn commit(&self, model: &mut Model) {
         if matches!(self.what, What::Title) {
             let title = Some(self.text.trim()).filter(|t| !t.is_empty() && *t != self.node);
             let operation = model.set_in_group(&self.node, "title", title.map(Into::into));

@@ -56,7 +56,6 @@ pub struct Canvas {
     menu_at: egui::Pos2,
     /// Everything is to be brought into view, as after opening.
     fit: bool,
-    arrange: bool,
     /// Where it was shown last.
     area: Rect,
 }
@@ -76,14 +75,13 @@ impl Default for Canvas {
             menu_on: None,
             menu_at: egui::Pos2::ZERO,
             fit: false,
-            arrange: false,
             area: Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(800.0, 600.0)),
         }
     }
 }
 
 impl Canvas {
-    /// After another graph was opened: places nodes that have none and shows all.
+    /// After another graph was opened: shows all.
     pub fn opened(&mut self) {
         self.scrolls.clear();
         self.entries = None;
@@ -91,12 +89,19 @@ impl Canvas {
         self.table = None;
         (self.finder, self.search) = (None, None);
         self.gesture = Gesture::Idle;
-        (self.fit, self.arrange) = (true, true);
+        self.fit = true;
     }
 
     /// Shows everything, or what is selected, at the next frame.
     pub fn show_all(&mut self) {
         self.fit = true;
+    }
+
+    /// Puts what is being typed into the graph, as leaving the field does.
+    pub fn settle(&self, model: &mut Model) {
+        if let Some(typing) = &self.typing {
+            typing.commit(model);
+        }
     }
 
     /// Whether keys belong to a field that is open.
@@ -118,9 +123,20 @@ impl Canvas {
         if homeless.is_empty() {
             return;
         }
-        let all = crate::model::arrange::arrange(model.document(), |id| self.shapes.size(id));
-        model.place(all.into_iter().filter(|(id, _)| homeless.contains(id)));
+        let mut all: Vec<_> = crate::model::arrange::arrange(model.document(), |id| self.shapes.size(id))
+            .into_iter()
+            .filter(|(id, _)| homeless.contains(id))
+            .collect();
+        // Below those that have one.
+        let settled = self.shapes.nodes.iter().filter(|s| !homeless.contains(&s.id)).map(|s| s.rect);
+        if let Some(settled) = settled.reduce(Rect::union) {
+            let least = |k: usize| all.iter().map(|(_, at)| at[k]).fold(f64::INFINITY, f64::min);
+            let by = [f64::from(settled.left()) - least(0), f64::from(settled.bottom()) + 40.0 - least(1)];
+            all.iter_mut().for_each(|(_, at)| *at = [at[0] + by[0], at[1] + by[1]]);
+        }
+        model.place(all);
         self.shapes.update(model);
+        self.shapes.homeless = false;
     }
 
     /// Shows the canvas in all the room that `ui` has.
@@ -131,7 +147,8 @@ impl Canvas {
         let response = ui.interact(area, id, Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "canvas"));
         self.shapes.update(model);
-        if std::mem::take(&mut self.arrange) {
+        // Nodes may come without a place at any time: from other files, from other programs.
+        if self.shapes.homeless {
             self.arrange(model);
         }
         if std::mem::take(&mut self.fit) {

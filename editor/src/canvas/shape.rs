@@ -127,6 +127,8 @@ pub struct Shapes {
     pub nodes: Vec<Shape>,
     /// Wires in order of the nodes that they go to.
     pub wires: Vec<Wire>,
+    /// There are nodes without a place.
+    pub homeless: bool,
     number: HashMap<String, usize>,
     made_for: Option<u64>,
 }
@@ -157,9 +159,12 @@ impl Shapes {
         }
         self.nodes.clear();
         self.number.clear();
+        self.homeless = false;
         for (id, node) in document.nodes() {
             self.number.insert(id.clone(), self.nodes.len());
-            let at = model.position(id).unwrap_or_default().map(|v| v as f32);
+            let place = model.position(id);
+            self.homeless |= place.is_none();
+            let at = place.unwrap_or_default().map(|v| v as f32);
             let info = model.catalog.of(node);
             let range = |port: &str| bound.get(format!("{id}.{port}").as_str()).copied();
             self.nodes.push(shape(id, node, info, pos2(at[0], at[1]), document.look(id).open, range));

@@ -50,17 +50,23 @@ impl Model {
     }
 
     /// The selected nodes as the text of a graph, for the clipboard; `None` if nothing is selected.
-    #[must_use]
-    pub fn copy(&self) -> Option<String> {
+    pub fn copy(&mut self) -> Option<String> {
         let ids: Vec<&str> = self.selection.iter().map(String::as_str).collect();
         let fragment = self.scope().copy(&ids).ok().filter(|_| !ids.is_empty())?;
         let mut text = fragment.to_string_canonical();
         // The layout follows the graph in the same text, as a second value.
         text.push_str(&fragment.layout_to_string());
+        self.copied = Some((text.clone(), self.here_it_is()));
         Some(text)
     }
 
+    /// Which canvas this is: that of a graph since it was opened, or of one of its clusters.
+    fn here_it_is(&self) -> (u64, Option<String>) {
+        (self.opened, self.inside.last().map(|e| e.cluster.clone()))
+    }
+
     /// Puts copied nodes into the graph and selects them: their middle at a place of the canvas, else beside where they were.
+    /// Wires from nodes that were not copied stay where they were copied; elsewhere nodes of the same name are other ones.
     ///
     /// # Errors
     /// If the text is no graph, or what it says is refused.
@@ -74,7 +80,8 @@ impl Model {
             fragment.read_layout(layout.as_bytes())?;
         }
         let offset = at.and_then(|at| offset_to(&fragment, at)).unwrap_or([40.0, 40.0]);
-        self.insert(&fragment, OuterWires::Keep, offset)
+        let here = self.copied.as_ref().is_some_and(|(copied, from)| copied == text && *from == self.here_it_is());
+        self.insert(&fragment, if here { OuterWires::Keep } else { OuterWires::Drop }, offset)
     }
 
     /// Puts a piece of another graph at a place of the canvas and selects it; nodes without a place are put in columns there.

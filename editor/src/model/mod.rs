@@ -52,6 +52,10 @@ pub struct Model {
     worker: Worker,
     /// What the evaluation found.
     pub results: Results,
+    /// How many graphs were opened or begun.
+    opened: u64,
+    /// What was copied last, and on which canvas.
+    copied: Option<(String, (u64, Option<String>))>,
     /// Ids of the selected nodes.
     pub selection: BTreeSet<String>,
     /// Where nodes stand that are only looked at: those of clusters of other files.
@@ -104,6 +108,8 @@ impl Model {
             inside: Vec::new(),
             history: History::default(),
             results: Results::default(),
+            opened: 0,
+            copied: None,
             selection: BTreeSet::new(),
             places: HashMap::new(),
             shown: Vec::new(),
@@ -164,6 +170,7 @@ impl Model {
         self.catalog.take_clusters(&document, &self.registry);
         self.document = document;
         self.lost = None;
+        self.opened += 1;
         self.inside.clear();
         self.history = History::default();
         self.selection.clear();
@@ -237,7 +244,7 @@ impl Model {
     /// Puts nodes without a place where `places` says, which is no step of the history.
     pub fn place(&mut self, places: impl IntoIterator<Item = (String, [f64; 2])>) {
         if self.linked().is_some() {
-            self.places = places.into_iter().collect();
+            self.places.extend(places);
             self.revision += 1;
             return;
         }

@@ -123,6 +123,13 @@ impl Browser {
         browser
     }
 
+    /// Opens with the name of a file that is to be written.
+    #[must_use]
+    pub fn at(what: Browse, file: &Path) -> Self {
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Self { name, ..Self::new(what, Some(file)) }
+    }
+
     fn read(&mut self) {
         self.entries.clear();
         match self.folder.read_dir() {

@@ -1,6 +1,7 @@
 //! What the selected node is: its doc, every input with its value, every output with what it gives.
 
 use super::examples::{Examples, Shown};
+use super::figure::read;
 use crate::model::Model;
 use crate::model::catalog::{PortInfo, TypeInfo};
 use crate::model::param::{self, Widget, number, widget};
@@ -9,7 +10,7 @@ use eframe::egui::{
     self, Checkbox, ComboBox, Grid, Id, RichText, ScrollArea, Slider, SliderClamping, TextEdit, Ui, WidgetInfo,
     WidgetType,
 };
-use tenon_engine::{Json, Operation};
+use tenon_engine::{Json, Operation, Quantity};
 
 /// Shows the one selected node; if none is, the inputs and outputs of the graph.
 pub fn inspector(ui: &mut Ui, model: &mut Model, examples: &mut Examples) -> Option<Shown> {
@@ -148,6 +149,8 @@ fn edit(
             Widget::Slider(s) => {
                 let mut value = s.value;
                 let slider = Slider::new(&mut value, s.min..=s.max).step_by(s.by()).suffix(&unit);
+                let measure = Quantity::unit(&port.unit);
+                let slider = slider.custom_parser(move |text| read(text, measure));
                 // Only a hand may change a value: by itself a slider would round it.
                 let response =
                     ui.add(if s.integer { slider.integer() } else { slider }.clamping(SliderClamping::Edits));
@@ -162,7 +165,7 @@ fn edit(
             Widget::Number { value, integer } => {
                 let mut value = *value;
                 let speed = if *integer { 0.2 } else { param::round_step(value.abs().max(1.0) / 100.0) };
-                let mut field = super::figure(&mut value)
+                let mut field = super::figure(&mut value, &port.unit)
                     .clamp_existing_to_range(false)
                     .speed(speed)
                     .suffix(&unit)

@@ -131,8 +131,11 @@ impl Table {
                     change = new.map(|v| Change::Set(i, v)).or(change.take());
                     if let Some(w) = weights.as_ref().and_then(|w| w.get(i)) {
                         let mut w = *w;
-                        let field =
-                            column(ui, &mut self.widths[3], figure(&mut w).speed(0.01).range(1e-6..=1e6).prefix("w "));
+                        let field = column(
+                            ui,
+                            &mut self.widths[3],
+                            figure(&mut w, "").speed(0.01).range(1e-6..=1e6).prefix("w "),
+                        );
                         named(&field, format!("weight of {}", i + 1));
                         busy |= field.dragged() || field.has_focus();
                         if field.changed() {
@@ -252,7 +255,7 @@ fn cells(ui: &mut Ui, row: Row, i: usize, item: &Json, unit: &str, widths: &mut 
         Row::Point => {
             let mut p = coordinates(item);
             for ((axis, slot), width) in ["x", "y", "z"].into_iter().zip(&mut p).zip(widths) {
-                let field = figure(slot).speed(1.0).max_decimals(3).prefix(format!("{axis} "));
+                let field = figure(slot, "mm").speed(1.0).max_decimals(3).prefix(format!("{axis} "));
                 let field = column(ui, width, field);
                 named(&field, format!("{axis} of {}", i + 1));
                 busy |= field.dragged() || field.has_focus();
@@ -265,7 +268,8 @@ fn cells(ui: &mut Ui, row: Row, i: usize, item: &Json, unit: &str, widths: &mut 
         Row::Number | Row::Integer => {
             let mut v = item.as_f64().unwrap_or_default();
             let whole = row == Row::Integer;
-            let field = figure(&mut v).max_decimals(if whole { 0 } else { 6 }).speed(if whole { 0.2 } else { 0.1 });
+            let field =
+                figure(&mut v, unit).max_decimals(if whole { 0 } else { 6 }).speed(if whole { 0.2 } else { 0.1 });
             let field =
                 column(ui, &mut widths[0], if unit.is_empty() { field } else { field.suffix(format!(" {unit}")) });
             named(&field, format!("value {}", i + 1));

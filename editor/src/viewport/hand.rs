@@ -244,7 +244,7 @@ impl Hand {
                         ui.label(handle.label());
                         let mut settled = true;
                         for (axis, value) in ["x", "y", "z"].into_iter().zip([&mut to.x, &mut to.y, &mut to.z]) {
-                            let field = figure(value)
+                            let field = figure(value, "mm")
                                 .speed(1.0)
                                 .max_decimals(2)
                                 .update_while_editing(false)

@@ -261,17 +261,17 @@ impl Viewport {
         };
         ui.horizontal(|ui| {
             for (axis, value) in ["x", "y", "z"].into_iter().zip([&mut r.at.x, &mut r.at.y, &mut r.at.z]) {
-                number(ui, axis, figure(value).speed(10.0).max_decimals(1).prefix(format!("{axis} ")));
+                number(ui, axis, figure(value, "mm").speed(10.0).max_decimals(1).prefix(format!("{axis} ")));
             }
         });
         ui.horizontal(|ui| {
             let mesh = is_mesh(&r.file);
-            let scale = figure(&mut r.scale).range(1e-6..=1e7).max_decimals(3);
+            let scale = figure(&mut r.scale, if mesh { "" } else { "mm" }).range(1e-6..=1e7).max_decimals(3);
             match mesh {
                 true => number(ui, "scale", scale.speed(0.01).suffix(" times")),
                 false => number(ui, "width", scale.speed(10.0).prefix("width ").suffix(" mm")),
             };
-            let turn = figure(&mut r.turn).speed(1.0).max_decimals(1).suffix("°");
+            let turn = figure(&mut r.turn, "deg").speed(1.0).max_decimals(1).suffix("°");
             number(ui, "turn", turn).on_hover_text("turned about Z");
             if !mesh {
                 ui.checkbox(&mut r.upright, "upright");
