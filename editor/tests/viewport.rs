@@ -299,6 +299,31 @@ fn weights_and_subdivision_points_are_taken_by_hand() {
 }
 
 #[test]
+fn a_ring_of_any_weight_is_dragged_from_where_it_is_taken() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "nodes": { "c": { "type": "ifs_curve", "v": 1, "params": { "points": [[0, 0, 0], [500, 0, 300], [1000, 0, 0]], "weights": [1, W, 1] } } }
+}"#;
+    for weight in [0.5, 0.1, 50.0] {
+        let mut w = Window::open(Some(&graph("ring", &text.replace('W', &weight.to_string()))));
+        w.click(w.rect("point c.points 2").center());
+        let before = w.text();
+        let knob = w.rect("weight c.points 2").center();
+        w.press(knob, knob, Modifiers::NONE);
+        // Held so long it counts as dragged.
+        w.steps(60);
+        assert_eq!(w.text(), before, "{weight} was taken and not moved");
+        w.hover(knob + vec2(7.0, 0.0));
+        w.release(knob + vec2(7.0, 0.0));
+        w.settle();
+        let weights: Vec<f64> = serde_json::from_str(&w.param("c", "weights")).unwrap();
+        assert!((weights[1] - weight * 2f64.sqrt()).abs() < 1e-3 * weight.max(1.0), "{weight}: {weights:?}");
+        assert_eq!(w.app().model.steps().0, 1);
+    }
+}
+
+#[test]
 fn one_file_stands_behind_the_model_twice_and_is_read_anew_in_another_folder() {
     let (path, photo) = graph_and_photo("twice-behind", "photo.png");
     let mut w = Window::open(Some(&path));

@@ -42,6 +42,8 @@ pub struct Hand {
     /// The point as it was when it was taken, and its distance from the pointer then.
     taken: Option<(Handle, DVec3)>,
     chosen: Option<Handle>,
+    /// The weight and the pointer's distance from its point, as they were when the ring was taken.
+    weighed: Option<(f64, f32)>,
     /// Coordinates are being typed or turned as one step.
     turning: bool,
 }
@@ -49,7 +51,7 @@ pub struct Hand {
 impl Default for Hand {
     fn default() -> Self {
         let (plane, points) = (Drag::Best, Vec::new());
-        Self { plane, grid: GRID, points, of: None, taken: None, chosen: None, turning: false }
+        Self { plane, grid: GRID, points, of: None, taken: None, chosen: None, weighed: None, turning: false }
     }
 }
 
@@ -161,11 +163,15 @@ impl Hand {
         let response = ui.interact(sense, Id::new("weight"), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, format!("weight {}", handle.label())));
         ui.painter_at(area).circle(knob, 5.0, theme.selected, Stroke::new(1.0, Color32::WHITE));
+        let (start, pointer) = ui.input(|i| (i.pointer.press_origin(), i.pointer.latest_pos()));
         if response.drag_started() {
+            self.weighed = Some((weight, start.unwrap_or(knob).distance(at)));
             model.begin();
         }
-        if let (true, Some(pointer)) = (response.dragged(), ui.input(|i| i.pointer.latest_pos())) {
-            let wanted = f64::from((pointer.distance(at) - 22.0) / 14.0).clamp(-8.0, 8.0).exp2();
+        if let (true, Some(pointer), Some((first, from))) = (response.dragged(), pointer, self.weighed) {
+            // The ring may be drawn larger or smaller than its weight is: only how far it is dragged counts.
+            let wanted = first * f64::from((pointer.distance(at) - from) / 14.0).exp2();
+            let wanted = wanted.clamp(first.min(1e-3), first.max(1e3));
             let operation = set_weight(&handle, wanted, model.document()).filter(|_| (wanted - weight).abs() > 1e-3);
             if let Some(operation) = operation {
                 model.edit(operation);
