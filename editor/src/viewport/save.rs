@@ -4,6 +4,7 @@ use super::gpu::{self, Frame};
 use super::{Camera, Viewport};
 use eframe::egui::Context;
 use eframe::egui_wgpu::RenderState;
+use glam::{DMat4, DVec3};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use tenon_engine::Diagnostic;
@@ -23,9 +24,10 @@ struct Shot {
 
 impl Shot {
     fn draw(&self, size: [u32; 2]) -> Result<image::RgbaImage, String> {
-        let aspect = f64::from(size[0]) / f64::from(size[1].max(1));
-        let frame = Frame { matrix: self.camera.matrix(aspect), ..self.frame.clone() };
-        let scale = (size[1] as f32 / frame.size[1].max(1.0)).max(0.1);
+        let frame = Frame { matrix: matrix(&self.camera, self.frame.size, size), ..self.frame.clone() };
+        // What is seen is as large as it fits in.
+        let by = |k: usize| size[k] as f32 / frame.size[k].max(1.0);
+        let scale = by(0).min(by(1)).max(0.1);
         let bytes = gpu::picture(&self.card, &frame, size, scale)?;
         image::RgbaImage::from_raw(size[0], size[1], bytes).ok_or_else(|| "the card gave too little".into())
     }
@@ -35,6 +37,15 @@ impl Shot {
         self.draw(size)?.write_to(&mut bytes, image::ImageFormat::Png).map_err(|e| e.to_string())?;
         tenon_nodes::host::output::write_whole(path, bytes.get_ref()).map_err(|e| e.to_string())
     }
+}
+
+/// From the model to the clip space of a picture that holds all that is seen in a view of a size, points, whichever of them is
+/// wider.
+fn matrix(camera: &Camera, view: [f32; 2], picture: [u32; 2]) -> DMat4 {
+    let aspect = f64::from(picture[0]) / f64::from(picture[1].max(1));
+    let seen = f64::from(view[0].max(1.0)) / f64::from(view[1].max(1.0));
+    let scale = (aspect / seen).min(1.0);
+    DMat4::from_scale(DVec3::new(scale, scale, 1.0)) * camera.matrix(aspect)
 }
 
 impl Viewport {
@@ -89,4 +100,32 @@ impl Viewport {
 
 fn not_written(path: &Path, why: &str) -> Diagnostic {
     Diagnostic::error("unwritable", format!("{} was not written: {why}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Rect, pos2, vec2};
+
+    #[test]
+    fn a_picture_of_any_shape_holds_all_that_is_seen() {
+        for orthographic in [false, true] {
+            let camera = Camera { orthographic, ..Camera::default() };
+            for (view, picture) in
+                [([900.0, 300.0], [1000, 2000]), ([300.0, 900.0], [2000, 1000]), ([600.0; 2], [9, 9])]
+            {
+                let area = Rect::from_min_size(pos2(0.0, 0.0), vec2(view[0], view[1]));
+                let matrix = matrix(&camera, view, picture);
+                let corners = [area.min, area.right_top(), area.max, area.left_bottom()];
+                let all = corners.map(|at| {
+                    let (origin, direction) = camera.ray(area, at);
+                    let along = (camera.target - origin).dot(camera.back()) / direction.dot(camera.back());
+                    matrix.project_point3(origin + direction * along)
+                });
+                let most = |k: usize| all.iter().map(|p| p[k].abs()).fold(0.0, f64::max);
+                assert!(most(0) < 1.0 + 1e-6 && most(1) < 1.0 + 1e-6, "{view:?} in {picture:?}: {all:?}");
+                assert!(most(0).max(most(1)) > 1.0 - 1e-6, "and is as large as it can be");
+            }
+        }
+    }
 }
