@@ -85,10 +85,7 @@ impl Space {
         }
         let (way, colours) = way(play, now, self.count);
         shown.push(Shown { coloured_lines: true, colours, ..plain("way".into(), Arc::new(way), theme.text) });
-        let mut marks = Drawing::empty(Kind::Points);
-        let wrong = faults.of(play.board).filter_map(|f| f.at);
-        marks.points = wrong.map(|p| p.as_vec3().to_array()).collect();
-        marks.digest = marks.points.len() as u128 | u128::from(play.board) << 64;
+        let marks = marks(faults.of(play.board).filter_map(|f| f.at));
         if !marks.points.is_empty() {
             shown.push(plain("faults".into(), Arc::new(marks), theme.error));
         }
@@ -118,6 +115,14 @@ impl Space {
         d.parts = vec![Part::new("tool".into(), now.tip)];
         Some(d)
     }
+}
+
+/// Points where something is wrong; others are another drawing to the card.
+fn marks(places: impl Iterator<Item = DVec3>) -> Drawing {
+    let mut marks = Drawing::empty(Kind::Points);
+    marks.points = places.map(|p| p.as_vec3().to_array()).collect();
+    marks.digest = tenon_engine::digest_bytes(bytemuck::cast_slice(&marks.points));
+    marks
 }
 
 /// A length of a solid of revolution, with both ends.
@@ -167,6 +172,14 @@ fn way(play: &Play, now: Now, count: u128) -> (Drawing, Arc<Vec<u32>>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn marks_at_other_places_are_another_drawing() {
+        let of = |x: f64| marks([DVec3::ZERO, DVec3::new(x, 2.0, 0.0)].into_iter());
+        assert_eq!(of(1.0).digest, of(1.0).digest);
+        assert_ne!(of(1.0).digest, of(3.0).digest, "as many, and not there");
+        assert_eq!(of(3.0).points[1], [3.0, 2.0, 0.0]);
+    }
 
     #[test]
     fn a_revolved_piece_is_closed_and_faces_outwards() {
