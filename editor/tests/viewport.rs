@@ -108,6 +108,39 @@ fn the_distance_of_two_corners_is_measured_exactly_though_they_are_clicked_besid
 }
 
 #[test]
+fn a_section_is_measured_where_it_is_and_no_corner_that_is_cut_away_is_taken() {
+    let mut w = Window::open(Some(&small_shell("measured-section", |_| ())));
+    let area = w.rect("viewport");
+    let panels = w.app().model.results.values["thicken.panels"].first::<V<PanelSet>>().unwrap().clone();
+    let part = (0..panels.len()).max_by(|a, b| panels.normal[*a].z.total_cmp(&panels.normal[*b].z)).unwrap();
+    // A place inside of a panel at the top, through which it is cut, seen a little from above.
+    let front = &panels.front[panels.corners(part)];
+    let middle = front.iter().sum::<glam::DVec3>() / front.len() as f64;
+    let inside = middle - panels.normal[part] * panels.thickness / 2.0;
+    w.app().viewport.clip = Some(Clip::square_to(0, inside.x));
+    let camera = &mut w.app().viewport.camera;
+    (camera.target, camera.distance, camera.yaw, camera.pitch) = (inside, 200.0, 0.0, 0.3);
+    w.settle();
+    w.click(w.rect("Measure").center());
+    let at = w.app().viewport.camera.project(area, inside).unwrap();
+    w.click(at);
+    let taken = w.app().viewport.ruler.ends[0];
+    assert!((taken.x - inside.x).abs() < 1e-3 && taken.distance(inside) < 10.0, "{taken}, and not {inside}");
+    // From above, with a corner cut away that is nearly under the pointer.
+    let corner = *front.iter().max_by(|a, b| a.x.total_cmp(&b.x)).unwrap();
+    w.app().viewport.camera.stand(Standard::Top);
+    w.app().viewport.camera.fit(area, [corner.min(middle), corner.max(middle)]);
+    let [a, b] = [corner, middle].map(|p| w.harness.state().viewport.camera.project(area, p).unwrap());
+    let point = (corner - middle) / f64::from((a - b).length());
+    w.app().viewport.clip = Some(Clip::square_to(0, corner.x - 2.0 * point.x));
+    w.settle();
+    w.click(a + (b - a).normalized() * 6.0);
+    let taken = w.app().viewport.ruler.ends[1];
+    assert!(taken.x < corner.x - 2.0 * point.x + 1e-3, "{taken} is cut away");
+    assert!(taken.distance(corner - 6.0 * point) < 2.0, "{taken} is beside where was clicked");
+}
+
+#[test]
 fn a_section_is_turned_and_tilted_by_its_fields_and_a_picture_is_as_large_as_its_fields_say() {
     let mut w = Window::open(Some(&small_shell("fields", |_| ())));
     w.click(w.rect("More").center());

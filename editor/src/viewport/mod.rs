@@ -44,6 +44,15 @@ pub struct Picked {
     pub part: u32,
 }
 
+/// What is under the pointer.
+struct Met {
+    /// Output and part; none if it is only a section, with nothing behind it.
+    part: Option<(String, u32)>,
+    place: DVec3,
+    /// The place is on the section, and the part what is cut there.
+    section: bool,
+}
+
 /// The viewport of one window.
 #[derive(Default)]
 pub struct Viewport {
@@ -316,18 +325,22 @@ impl Viewport {
         all.chain(behind).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
     }
 
-    /// What is drawn first under the pointer: output, part and place. A curve or point near the pointer goes before the body
-    /// behind it.
-    fn meet(&self, area: Rect, at: egui::Pos2, model: &Model) -> Option<(String, u32, DVec3)> {
+    /// What is drawn first under the pointer. A curve or point near the pointer goes before the body behind it.
+    fn meet(&self, area: Rect, at: egui::Pos2, model: &Model) -> Option<Met> {
         let (origin, direction) = self.camera.ray(area, at);
         let seen = |p: DVec3| self.clip.is_none_or(|c| c.side(p) <= 0.0);
         let all = model.results.drawings.iter();
         let hits = all.clone().filter_map(|(output, d)| d.pick(origin, direction, seen).map(|h| (output, h)));
         let solid = hits.min_by(|a, b| a.1.1.total_cmp(&b.1.1));
         let solid = solid.map(|(output, (part, along))| (output, part, origin + direction * along));
+        // Where a body is cut open, what is filled stands before its inside.
+        let filled = self.clip.and_then(|c| self.section.hit(c, origin, direction));
+        let nearer = |p: &DVec3| solid.is_none_or(|(_, _, hit)| (hit - *p).dot(direction) > 0.0);
+        let filled = filled.filter(nearer);
+        let first = filled.or(solid.map(|(_, _, hit)| hit));
         // What lies a little behind a face is on it.
         let slack = self.camera.distance * 0.003;
-        let hidden = |p: DVec3| solid.is_some_and(|(_, _, hit)| (hit - p).dot(direction) < -slack);
+        let hidden = |p: DVec3| first.is_some_and(|hit| (hit - p).dot(direction) < -slack);
         let place = self.camera.projector(area);
         let picture = |p: DVec3| {
             let at = place(p).filter(|_| seen(p))?;
@@ -337,15 +350,25 @@ impl Viewport {
         let thin = all.filter_map(|(output, d)| d.pick_thin(pointer, NEAR, picture).map(|h| (output, h)));
         let thin = thin.filter(|(_, h)| !hidden(h.1)).min_by(|a, b| a.1.2.total_cmp(&b.1.2));
         let thin = thin.map(|(output, (part, place, _))| (output, part, place));
-        thin.or(solid).map(|(output, part, place)| (output.clone(), part, place))
+        let section = thin.is_none() && filled.is_some();
+        let part = thin.or(solid).map(|(output, part, _)| (output.clone(), part));
+        let place = thin.map(|(_, _, place)| place).or(first)?;
+        Some(Met { part, place, section })
     }
 
     fn measure_to(&mut self, response: &Response, model: &Model) {
         let Some(at) = response.interact_pointer_pos() else { return };
-        let Some((output, part, hit)) = self.meet(response.rect, at, model) else { return };
-        let drawing = model.results.drawings.get(&output);
-        let corners = drawing.into_iter().flat_map(|d| d.corners_of(part));
-        self.ruler.take(Ruler::snapped(&self.camera, response.rect, at, hit, corners));
+        let Some(Met { part, place, section }) = self.meet(response.rect, at, model) else { return };
+        let taken = if section {
+            // What lies behind a section does not count there, only its own corners.
+            Ruler::snapped(&self.camera, response.rect, at, place, self.section.corners())
+        } else {
+            let drawing = part.and_then(|(output, part)| Some((model.results.drawings.get(&output)?, part)));
+            let corners = drawing.into_iter().flat_map(|(d, part)| d.corners_of(part));
+            let corners = corners.filter(|p| self.clip.is_none_or(|c| c.side(*p) <= 0.0));
+            Ruler::snapped(&self.camera, response.rect, at, place, corners)
+        };
+        self.ruler.take(taken);
     }
 
     fn bring_into_view(&mut self, area: Rect, model: &Model) {
@@ -431,7 +454,8 @@ impl Viewport {
 
     fn pick(&mut self, ui: &Ui, response: &Response, model: &mut Model) {
         let Some(at) = response.interact_pointer_pos() else { return };
-        self.picked = self.meet(response.rect, at, model).map(|(output, part, _)| Picked { output, part });
+        let met = self.meet(response.rect, at, model).and_then(|met| met.part);
+        self.picked = met.map(|(output, part)| Picked { output, part });
         if !ui.input(|i| i.modifiers.shift) {
             model.selection.clear();
         }

@@ -97,6 +97,18 @@ impl Section {
         self.made.last()?.as_ref().clone()
     }
 
+    /// Where a ray meets what is filled, as far as that is cut by this very plane. O(triangles of the section).
+    pub fn hit(&self, clip: Clip, origin: DVec3, direction: DVec3) -> Option<DVec3> {
+        let section = self.made.now()?.as_ref().as_ref()?;
+        hit(section, clip, origin, direction)
+    }
+
+    /// The corners of outlines.
+    pub fn corners(&self) -> impl Iterator<Item = DVec3> {
+        let lines = self.made.now().and_then(|m| m.as_ref().as_ref()).into_iter().flat_map(|d| &d.lines);
+        lines.flat_map(|l| [l.from, l.to]).map(|p| DVec3::from(p.map(f64::from)))
+    }
+
     /// Whether nothing is being cut.
     pub fn settled(&self) -> bool {
         self.made.settled()
@@ -120,6 +132,19 @@ fn cut(clip: Clip, all: &[Arc<Drawing>]) -> Option<Drawing> {
     section.bounds = ends.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[a, b], p| [a.min(p), b.max(p)]);
     section.parts = vec![Part::new("section".into(), section.bounds[0])];
     (!section.lines.is_empty()).then_some(section)
+}
+
+/// Where a ray meets the plane in a triangle of a section.
+fn hit(section: &Drawing, clip: Clip, origin: DVec3, direction: DVec3) -> Option<DVec3> {
+    let along = -clip.side(origin) / direction.dot(clip.normal);
+    let at = origin + direction * along;
+    let inside = |t: &[Vertex]| {
+        let corners = [0, 1, 2].map(|k| DVec3::from(t[k].position.map(f64::from)));
+        let side = |k: usize| (corners[(k + 1) % 3] - corners[k]).cross(at - corners[k]).dot(clip.normal);
+        let sides = [side(0), side(1), side(2)];
+        sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0)
+    };
+    (along.is_finite() && along > 0.0 && section.triangles.chunks_exact(3).any(inside)).then_some(at)
 }
 
 /// The line in which a triangle meets the plane.
@@ -190,6 +215,10 @@ mod tests {
             })
             .sum();
         assert!((area - 2.0 * 8f64.sqrt()).abs() < 1e-5, "{area}");
+        // Rays meet what is filled, and nothing beside it.
+        let down = |x: f64, y: f64| hit(&d, clip, DVec3::new(x, y, 9.0), -DVec3::Z);
+        assert!(down(0.7, 1.4).unwrap().distance(DVec3::new(0.7, 1.4, 1.3)) < 1e-9);
+        assert_eq!((down(0.7, 2.1), hit(&d, clip, DVec3::splat(9.0), DVec3::Z)), (None, None));
         let turned = clip.turned([90.0, 0.0], DVec3::ONE);
         assert!(turned.normal.distance(DVec3::Y) < 1e-12 && (turned.at - 1.0).abs() < 1e-12);
         assert!((clip.angles()[1] - 45.0).abs() < 1e-9);
