@@ -256,6 +256,44 @@ fn work_that_cannot_be_read_is_put_aside_and_what_follows_is_kept() {
 }
 
 #[test]
+fn work_on_a_graph_whose_folder_takes_no_file_is_kept_in_the_state_folder() {
+    let (path, state) = (graph("read-only", SMALL), folder("read-only-state"));
+    // A folder stands where the file would be.
+    std::fs::create_dir(path.with_file_name(".graph.tenon.json.unsaved")).unwrap();
+    let open = || {
+        let mut w = Window::open(Some(&path));
+        let ctx = w.harness.ctx.clone();
+        w.app().remember_in(&ctx, Some(state.clone()));
+        w.steps(2);
+        w
+    };
+    let kept = |value: &str| {
+        let all = std::fs::read_dir(&state).unwrap().filter_map(|e| std::fs::read_to_string(e.unwrap().path()).ok());
+        all.filter(|text| text.contains(&format!("\"value\": {value}"))).count()
+    };
+    let set = |w: &mut Window, value: i32| {
+        let set = Operation::SetParam { node: "a".into(), port: "value".into(), value: Some(value.into()) };
+        assert!(w.app().model.edit(set));
+    };
+    let mut w = open();
+    set(&mut w, 71);
+    until(&mut w, |_| kept("71") == 1);
+    assert!(w.app().model.message.is_none(), "it is kept: {:?}", w.app().model.message);
+    // It is killed, and the work is offered; what is thrown away is gone.
+    drop(w);
+    let mut w = open();
+    w.click(w.rect("Recover it").center());
+    assert_eq!(w.param("a", "value"), "71");
+    set(&mut w, 72);
+    until(&mut w, |_| kept("72") == 1);
+    w.key(Modifiers::COMMAND, Key::S);
+    assert_eq!((kept("71"), kept("72")), (0, 0), "what is saved is not kept any more");
+    drop(w);
+    let w = open();
+    assert!(!w.has("Recover it") && w.param("a", "value") == "72");
+}
+
+#[test]
 fn a_file_that_another_program_has_broken_is_told() {
     let path = graph("broken-elsewhere", SMALL);
     let mut w = Window::open(Some(&path));

@@ -1,5 +1,5 @@
 //! No work is lost: what is not saved is kept in a file beside the graph, a second after it was done, until it is saved or
-//! given up. And the other way round: a graph that another program has written is taken as a step.
+//! given up; where nothing can be written beside it, in the state folder. And the other way round: a graph that another program has written is taken as a step.
 
 use super::Model;
 use super::file::ENDING;
@@ -7,7 +7,7 @@ use super::slot::Slot;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
-use tenon_engine::{Diagnostic, Document, Operation};
+use tenon_engine::{Diagnostic, Document, Operation, digest_bytes};
 use tenon_nodes::host::output::write_quickly;
 
 /// How often unsaved work is written, and files are looked at: often enough that on a busy machine, too, no second is lost.
@@ -21,6 +21,9 @@ const RECENT: usize = 12;
 pub struct Keeper {
     /// Where unsaved work is written; none if there is no place for it.
     slot: Option<Slot>,
+    /// Where it is written instead, in the state folder: the place beside the graph cannot be written, or could not be by a
+    /// window before.
+    elsewhere: Option<Slot>,
     /// The revision that was written last.
     written: Option<u64>,
     /// When it was, or files were looked at.
@@ -51,7 +54,7 @@ impl Model {
     /// The file that unsaved work is kept in; none for a graph without a file where there is no state folder.
     #[must_use]
     pub fn kept_path(&self) -> Option<PathBuf> {
-        self.keeper.slot.as_ref().map(|s| s.file.clone())
+        self.keeper.elsewhere.as_ref().or(self.keeper.slot.as_ref()).map(|s| s.file.clone())
     }
 
     /// Remembers in a folder from now on: recent graphs, unsaved work of graphs without a file, who works on what.
@@ -62,30 +65,46 @@ impl Model {
     }
 
     /// Takes a place for unsaved work of the graph that is open; `offer` takes one with work that was left behind, if there
-    /// is one.
+    /// is one: beside the graph, else in the state folder.
     fn take_slot(&mut self, offer: bool) {
-        let locks = self.state.as_ref().map(|s| s.join("locks"));
-        let file = match self.path() {
-            Some(path) => {
-                let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-                path.file_name().map(|n| path.with_file_name(format!(".{}.unsaved", n.to_string_lossy())))
-            }
+        let locks = self.locks();
+        let file = match self.canonical() {
+            Some(path) => path.file_name().map(|n| path.with_file_name(format!(".{}.unsaved", n.to_string_lossy()))),
             None => self.state.as_ref().map(|s| s.join(format!("unsaved{ENDING}"))),
         };
-        self.keeper.slot = None;
+        (self.keeper.slot, self.keeper.elsewhere) = (None, None);
         self.keeper.slot = file.and_then(|file| Slot::take(&file, locks.as_deref(), offer));
+        if offer && self.left_behind().is_none() {
+            self.keeper.elsewhere = self.slot_elsewhere(true).filter(|s| s.orphan);
+        }
         if self.path().is_some() && self.keeper.slot.as_ref().is_some_and(|s| s.second) {
             let message = "another window has this graph open, too";
             self.message = Some(Diagnostic::error("open-twice", message).hint("the one that is saved last wins"));
         }
     }
 
+    /// The graph's file by the name that all windows call it.
+    fn canonical(&self) -> Option<PathBuf> {
+        self.path().map(|path| path.canonicalize().unwrap_or_else(|_| path.to_owned()))
+    }
+
+    fn locks(&self) -> Option<PathBuf> {
+        self.state.as_ref().map(|s| s.join("locks"))
+    }
+
+    /// A place in the state folder for unsaved work of a graph that has a file; `offer` as at [`Model::take_slot`].
+    fn slot_elsewhere(&self, offer: bool) -> Option<Slot> {
+        let name = digest_bytes(self.canonical()?.as_os_str().as_encoded_bytes());
+        let file = self.state.as_ref()?.join(format!("unsaved-{name:032x}{ENDING}"));
+        Slot::take(&file, self.locks().as_deref(), offer)
+    }
+
     /// The text of unsaved work that an earlier window has left behind.
     #[must_use]
     pub fn left_behind(&self) -> Option<String> {
-        let slot = self.keeper.slot.as_ref().filter(|s| s.orphan && self.keeper.written.is_none())?;
-        let text = fs::read_to_string(&slot.file).ok()?;
-        (!text.trim().is_empty()).then_some(text)
+        let left = [&self.keeper.slot, &self.keeper.elsewhere].into_iter().flatten().filter(|s| s.orphan);
+        let mut texts = left.filter_map(|s| fs::read_to_string(&s.file).ok());
+        texts.find(|text| !text.trim().is_empty()).filter(|_| self.keeper.written.is_none())
     }
 
     /// Takes the work that was left behind, to be saved or undone.
@@ -115,9 +134,11 @@ impl Model {
 
     /// Gives up what is kept of unsaved work, because it was saved or is not wanted.
     pub fn forget_kept(&mut self) {
-        if let Some(path) = self.kept_path() {
+        for slot in [&mut self.keeper.slot, &mut self.keeper.elsewhere].into_iter().flatten() {
             // If it is not there, nothing is to be forgotten.
-            let _ = fs::remove_file(path);
+            let _ = fs::remove_file(&slot.file);
+            // What cannot be taken away is not asked for again, so that what follows is kept.
+            slot.orphan = false;
         }
         self.keeper.written = None;
     }
@@ -174,7 +195,15 @@ impl Model {
     fn write_kept(&mut self) {
         let Some(path) = self.kept_path() else { return };
         let text = self.document.to_string_canonical() + &self.document.layout_to_string();
-        match write_quickly(&path, text.as_bytes()) {
+        let mut written = write_quickly(&path, text.as_bytes());
+        if written.is_err()
+            && self.keeper.elsewhere.is_none()
+            && let Some(slot) = self.slot_elsewhere(false)
+        {
+            written = write_quickly(&slot.file, text.as_bytes());
+            self.keeper.elsewhere = Some(slot).filter(|_| written.is_ok());
+        }
+        match written {
             Ok(()) => self.keeper.written = Some(self.revision()),
             Err(e) if !self.keeper.told => {
                 let message = format!("unsaved work cannot be kept: {e}");
