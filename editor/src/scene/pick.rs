@@ -8,8 +8,20 @@ impl Drawing {
     /// parts whose boxes it meets).
     #[must_use]
     pub fn pick(&self, origin: DVec3, direction: DVec3, seen: impl Fn(DVec3) -> bool) -> Option<(u32, f64)> {
+        self.pick_in(0..self.boxes.len(), origin, direction, seen)
+    }
+
+    /// The same among the triangles of some boxes.
+    pub(crate) fn pick_in(
+        &self,
+        boxes: impl IntoIterator<Item = usize>,
+        origin: DVec3,
+        direction: DVec3,
+        seen: impl Fn(DVec3) -> bool,
+    ) -> Option<(u32, f64)> {
         let mut best: Option<(u32, f64)> = None;
-        for own in self.boxes.iter().filter(|b| b.meets(origin, direction)) {
+        let boxes = boxes.into_iter().filter_map(|i| self.boxes.get(i));
+        for own in boxes.filter(|b| b.meets(origin, direction)) {
             for t in self.triangles[own.corners.clone()].chunks_exact(3) {
                 let [a, b, c] = [t[0], t[1], t[2]].map(|v| DVec3::from(v.position.map(f64::from)));
                 if let Some(at) = meet(origin, direction, a, b, c)
@@ -21,6 +33,14 @@ impl Drawing {
             }
         }
         best
+    }
+
+    /// The corners of all boxes, by their numbers for [`Drawing::pick_in`].
+    pub(crate) fn box_corners(&self) -> impl Iterator<Item = [DVec3; 8]> {
+        self.boxes.iter().map(|b| {
+            let ends = [b.low.as_dvec3(), b.high.as_dvec3()];
+            std::array::from_fn(|i| DVec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z))
+        })
     }
 
     /// The curve or point that is seen nearest to a place of the picture, no farther than `near`, and where that is in space.
