@@ -10,11 +10,14 @@ use eframe::egui::{RichText, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, Widge
 use std::collections::{BTreeSet, HashMap};
 use std::fmt::Write as _;
 use tenon_geometry::joint::Machining;
+use tenon_geometry::mesh::Address;
 
 /// One part.
 #[derive(Clone, Debug, PartialEq)]
 struct Piece {
     part: u32,
+    /// Where it is in the grid; one that has no address counts by its number alone.
+    place: Address,
     address: String,
     board: Option<u32>,
     /// Front, mm².
@@ -51,10 +54,12 @@ fn list(model: &Model, plays: &[Play]) -> (Vec<Piece>, Option<String>) {
     let times: Vec<_> = plays.iter().map(Play::time_of_parts).collect();
     let lies: HashMap<u32, u32> = found.layout.placements.iter().map(|p| (p.part, p.board)).collect();
     let all = (0..panels.len()).map(|i| {
-        let address = panels.address.get(i).map_or_else(|| i.to_string(), ToString::to_string);
+        let place = panels.address.get(i).copied();
+        let address = place.map_or_else(|| i.to_string(), |a| a.to_string());
         let board = lies.get(&(i as u32)).copied();
         Piece {
             part: i as u32,
+            place: place.unwrap_or(Address { column: i as u32, ..Address::default() }),
             board,
             area: panels.front_area(i),
             volume: panels.volume(i),
@@ -76,8 +81,8 @@ fn sort(all: &mut [Piece], (column, down): (usize, bool)) {
             4 => a.edges.cmp(&b.edges),
             5 => a.holes.cmp(&b.holes),
             6 => a.time.total_cmp(&b.time),
-            // As people count: 2 before 10.
-            _ => (a.address.len(), &a.address).cmp(&(b.address.len(), &b.address)),
+            // By patch, row and column, as people count: 9.9 before 10.2.
+            _ => a.place.cmp(&b.place),
         };
         (if down { order.reverse() } else { order }).then(a.part.cmp(&b.part))
     });
@@ -187,20 +192,18 @@ mod tests {
 
     #[test]
     fn pieces_are_sorted_as_people_count() {
-        let piece = |address: &str, time| Piece {
-            part: 0,
-            address: address.into(),
-            board: None,
-            area: 1.0,
-            volume: 1.0,
-            edges: 4,
-            holes: 0,
-            time,
+        let piece = |(patch, row, column), time| {
+            let place = Address { patch, row, column };
+            let address = place.to_string();
+            Piece { part: 0, place, address, board: None, area: 1.0, volume: 1.0, edges: 4, holes: 0, time }
         };
-        let mut all = vec![piece("10", 1.0), piece("2", 3.0), piece("1", 2.0)];
+        let places = [(1, 0, 3), (0, 10, 2), (0, 9, 9), (0, 0, 10), (0, 9, 10), (0, 0, 2)];
+        let mut all: Vec<Piece> =
+            places.into_iter().zip([1.0, 3.0, 2.0, 0.0, 0.0, 0.0]).map(|(p, t)| piece(p, t)).collect();
         sort(&mut all, (0, false));
-        assert_eq!(all.iter().map(|p| p.address.as_str()).collect::<Vec<_>>(), ["1", "2", "10"]);
+        let order: Vec<_> = all.iter().map(|p| p.address.as_str()).collect();
+        assert_eq!(order, ["0.2", "0.10", "9.9", "9.10", "10.2", "1-0.3"]);
         sort(&mut all, (6, true));
-        assert_eq!(all[0].address, "2");
+        assert_eq!(all[0].address, "10.2");
     }
 }
