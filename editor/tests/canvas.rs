@@ -207,6 +207,13 @@ fn groups_are_named_coloured_and_moved_by_their_title() {
     let (zoom, after) = (f64::from(w.app().canvas.view.zoom), place(&w));
     assert!((after[0] - before[0] - 60.0 / zoom).abs() < 11.0 && after[1] > before[1], "{before:?} {after:?}");
     w.picture("group-colour");
+    // A title that is left as it was is no step, and what was taken back can still be done again.
+    w.key(Modifiers::COMMAND, Key::Z);
+    let steps = w.app().model.steps();
+    w.double_click(title);
+    w.key(Modifiers::NONE, Key::Enter);
+    assert_eq!(w.app().model.steps(), steps);
+    w.key(Modifiers::COMMAND, Key::Y);
     let text = w.text();
     for _ in 0..4 {
         w.key(Modifiers::COMMAND, Key::Z);

@@ -158,3 +158,25 @@ fn the_profile_names_the_longest_chain() {
     assert!(w.has_containing(&words), "{words}");
     w.picture("profile-chain");
 }
+
+#[test]
+fn a_value_that_goes_to_several_ports_is_set_as_one_step() {
+    let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "interface": { "inputs": { "order": { "port": ["a.keep_order", "b.keep_order", "c.keep_order"] } } },
+  "nodes": {
+    "a": { "type": "pack", "v": 1 },
+    "b": { "type": "pack", "v": 1 },
+    "c": { "type": "pack", "v": 1 }
+  }
+}"#;
+    let mut w = Window::open(Some(&graph("shared-value", text)));
+    let kept = |w: &mut Window| ["a", "b", "c"].map(|n| w.app().model.param(n, "keep_order"));
+    let toggle = w.harness.get_by_role(eframe::egui::accesskit::Role::CheckBox).rect().center();
+    w.click(toggle);
+    assert_eq!(kept(&mut w), [Some(true.into()), Some(true.into()), Some(true.into())]);
+    assert_eq!(w.app().model.steps(), (1, 0));
+    w.key(Modifiers::COMMAND, Key::Z);
+    assert_eq!(kept(&mut w), [None, None, None]);
+}

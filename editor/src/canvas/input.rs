@@ -261,6 +261,10 @@ impl Typing {
     pub fn commit(&self, model: &mut Model) {
         if matches!(self.what, What::Title) {
             let title = Some(self.text.trim()).filter(|t| !t.is_empty() && *t != self.node);
+            let now = groups::title(model.document(), &self.node);
+            if self.text == now || title.unwrap_or(&self.node) == now {
+                return;
+            }
             let operation = model.set_in_group(&self.node, "title", title.map(Into::into));
             model.edit(operation);
             return;

@@ -4,7 +4,7 @@ use super::inspector::value;
 use crate::model::Model;
 use crate::model::param;
 use eframe::egui::{self, Button, Id, RichText, ScrollArea, TextEdit, Ui, WidgetInfo, WidgetType};
-use tenon_engine::Operation;
+use tenon_engine::{Json, Operation};
 
 /// Shows them all, to be changed.
 pub(super) fn interface(ui: &mut Ui, model: &mut Model) {
@@ -115,15 +115,22 @@ fn input(ui: &mut Ui, model: &mut Model, name: &str, up: bool) {
     ui.label(RichText::new(format!("goes to {}", now.ports.join(", "))).weak().small());
 }
 
-/// The value of an input: that of the first port behind it, which goes to all of them.
+/// The value of an input: that of the first port behind it, which goes to all of them in the same step.
 fn shared_value(ui: &mut Ui, model: &mut Model, ports: &[String], id: &str, port: &crate::model::catalog::PortInfo) {
     let before = model.param(id, &port.name);
+    model.begin();
     value(ui, model, id, port);
     let after = model.param(id, &port.name);
-    if before == after {
-        return;
+    if before != after {
+        share(model, ports, after);
     }
+    model.end();
+}
+
+/// Gives a value to all ports but the first that have another one.
+fn share(model: &mut Model, ports: &[String], after: Option<Json>) {
     let others = ports.iter().skip(1).filter_map(|p| p.split_once('.'));
+    let others = others.filter(|(node, port)| model.param(node, port) != after);
     let set = |(node, port): (&str, &str)| Operation::SetParam {
         node: node.to_owned(),
         port: port.to_owned(),
