@@ -179,7 +179,7 @@ fn a_linked_cluster_is_looked_into_and_taken_in_by_one_click() {
 }
 
 #[test]
-fn a_problem_inside_a_cluster_is_told_with_its_path_and_leads_to_the_instance() {
+fn a_problem_inside_a_cluster_is_told_with_its_path_and_leads_into_its_instances() {
     let text = r#"{
   "format": "tenon",
   "version": 1,
@@ -187,32 +187,46 @@ fn a_problem_inside_a_cluster_is_told_with_its_path_and_leads_to_the_instance() 
     "row": {
       "interface": { "version": 1, "outputs": { "numbers": { "port": "inner.numbers" } } },
       "nodes": { "inner": { "type": "series", "v": 1, "params": { "count": -4 } } }
+    },
+    "rows": {
+      "interface": { "version": 1, "outputs": { "numbers": { "port": "far.numbers" } } },
+      "nodes": { "far": { "type": "cluster:row", "v": 1 } }
+    },
+    "other": {
+      "interface": { "version": 1, "outputs": { "numbers": { "port": "n.numbers" } } },
+      "nodes": { "n": { "type": "series", "v": 1 } }
     }
   },
   "nodes": {
-    "far": { "type": "cluster:row", "v": 1 },
+    "top": { "type": "cluster:rows", "v": 1 },
+    "aside": { "type": "cluster:other", "v": 1 },
     "near": { "type": "number", "v": 1, "params": { "value": 3 } }
   }
 }"#;
     let mut w = Window::open(Some(&graph("inside-wrong", text)));
     w.click(w.rect_containing(" errors, ").center());
     w.steps(3);
-    assert!(w.has("problems of far") && !w.has("problems of near"));
-    let row = |w: &Window| w.first_containing("far/inner").center();
+    assert!(w.has("problems of top") && !w.has("problems of near"));
+    let row = |w: &Window| w.first_containing("top/far/inner").center();
     let at = row(&w);
     w.click(at);
     w.steps(3);
-    assert!(w.has("far") && w.has_containing("row, "), "the instance is in the inspector");
-    assert!(w.rect("canvas").contains(w.rect("node far").center()), "and in sight");
-    // Inside, the same line leads to the node.
-    w.hover(w.rect("canvas").center());
-    w.key(Modifiers::NONE, Key::Enter);
+    let trail: Vec<String> = w.app().model.trail().iter().map(|e| e.path.clone()).collect();
+    assert_eq!(trail, ["top", "top/far"], "every instance around it is entered");
     w.settle();
     assert!(w.has("Whole graph") && w.has("problems of inner"));
+    assert!(w.has("inner") && w.has_containing("Series, "), "the node is in the inspector");
+    assert!(w.rect("canvas").contains(w.rect("node inner").center()), "and in sight");
+    // From inside another cluster the same line leads there too.
+    w.click(w.rect("Whole graph").center());
+    w.app().model.enter("aside").unwrap();
+    w.app().canvas.opened();
+    w.settle();
     let at = row(&w);
     w.click(at);
+    w.settle();
     w.steps(3);
-    assert!(w.has("Whole graph") && w.has("inner"), "the node is in the inspector");
+    assert!(w.app().model.trail().last().unwrap().path == "top/far" && w.has("problems of inner"));
     // Mended by hand, nothing is told any more.
     w.double_click(w.rect("input inner.count").center());
     w.key(Modifiers::COMMAND, Key::A);

@@ -251,9 +251,9 @@ impl App {
     fn went(&mut self, ctx: &egui::Context, to: panels::Went) {
         match to {
             panels::Went::Node(path) => {
-                let depth = self.model.trail().len();
-                self.model.go_to(&path);
-                if self.model.trail().len() != depth {
+                let before = self.model.trail().to_vec();
+                self.model.go_into(&path);
+                if self.model.trail() != before {
                     self.canvas.opened();
                 }
                 self.canvas.show_all();

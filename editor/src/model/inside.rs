@@ -198,6 +198,18 @@ impl Model {
         }
     }
 
+    /// Goes to the node at a path as [`Model::go_to`] does, and into the instances that it stands in, as far as they can be
+    /// entered.
+    pub fn go_into(&mut self, path: &str) {
+        self.go_to(path);
+        while let Some(id) = self.local(path).map(str::to_owned)
+            && path.strip_prefix(&*self.path_of(&id)).is_some_and(|rest| rest.starts_with('/'))
+            && self.enter(&id).is_ok()
+        {
+            self.go_to(path);
+        }
+    }
+
     /// The value of an output (`node.port`) of a node on the canvas.
     #[must_use]
     pub fn value(&self, output: &str) -> Option<&tenon_engine::Tree> {
