@@ -363,6 +363,51 @@ fn programs_and_faults_are_those_of_the_layout_that_is_shown() {
 }
 
 #[test]
+fn the_boards_stay_those_of_the_layout_that_was_selected_last() {
+    // The second layout has its parts on smaller boards, and programs of its own.
+    let graph = small_shell("stays", |nodes| {
+        for (node, of) in [("pack_b", "pack"), ("post_b", "post"), ("prove_b", "prove")] {
+            nodes[node] = nodes[of].clone();
+        }
+        nodes["pack_b"]["params"] = json!({ "board_x": 800, "board_y": 600 });
+        nodes["post_b"]["inputs"]["layout"] = json!({ "from": ["pack_b.layout"] });
+        nodes["prove_b"]["inputs"]["layout"] = json!({ "from": ["pack_b.layout"] });
+        nodes["prove_b"]["inputs"]["programs"] = json!({ "from": ["post_b.programs"] });
+    });
+    let mut w = Window::sized(Some(&graph), vec2(1920.0, 900.0));
+    w.click(w.first("Pieces").center());
+    boards_of(&mut w);
+    let seen = |w: &mut Window| {
+        w.settle();
+        w.steps(2);
+        let rows = w.harness.get_all_by_label_contains("piece ").count();
+        let boards = &w.app().boards;
+        (boards.found().unwrap().node.clone(), boards.plays().len() as u32 == boards.count(), rows > 0)
+    };
+    assert_eq!(seen(&mut w), ("pack".into(), true, true));
+    w.click(w.rect("node pack_b").center());
+    assert_eq!(seen(&mut w), ("pack_b".into(), true, true));
+    let count = w.app().boards.count();
+    assert!(count > 1, "{count} small boards");
+    go_to(&mut w, 0.5);
+    let time = w.app().boards.player.time;
+    // A part, a piece, another node: none of them means another layout, and the player stays where it is.
+    w.click(w.rect("board 1").center() + vec2(20.0, 10.0));
+    assert!(w.app().model.selection.contains("thicken"), "{:?}", w.app().model.selection);
+    assert_eq!(seen(&mut w), ("pack_b".into(), true, true));
+    w.click(w.first_containing("piece ").center());
+    assert_eq!(seen(&mut w), ("pack_b".into(), true, true));
+    w.click(w.rect("node fold_1").center());
+    assert_eq!(seen(&mut w), ("pack_b".into(), true, true));
+    assert_eq!((w.app().boards.count(), w.app().boards.player.time), (count, time));
+    // Programs and proofs mean the layout that they are for.
+    w.click(w.rect("node post").center());
+    assert_eq!(seen(&mut w), ("pack".into(), true, true));
+    w.click(w.rect("node prove_b").center());
+    assert_eq!(seen(&mut w), ("pack_b".into(), true, true));
+}
+
+#[test]
 fn the_picture_of_a_board_that_is_cut_follows_its_programs() {
     // Only contours, so that much is cut soon.
     let shell = |name: &str, margin: u32| {

@@ -351,7 +351,7 @@ impl eframe::App for App {
         if self.lower.tab.is_some() {
             egui::Panel::bottom("lower").resizable(true).default_size(200.0).show(ui, |ui| {
                 self.boards.look(ui.ctx(), &self.model);
-                if let Some(went) = self.lower.show(ui, &self.model, self.boards.plays()) {
+                if let Some(went) = self.lower.show(ui, &self.model, &self.boards) {
                     self.went(ui.ctx(), went);
                 }
             });

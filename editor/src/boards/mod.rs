@@ -32,8 +32,11 @@ pub struct BoardView {
     fitted: Option<Rect>,
     moved: bool,
     found: Option<Boards>,
+    looks: u64,
     /// The programs as steps, read beside the window.
     plays: Beside<Vec<Play>>,
+    /// The nodes whose layout and programs were shown last: they stay until others are selected.
+    last: [Option<String>; 2],
     /// For which results `found` is, and with what selected.
     of: Option<(u64, BTreeSet<String>)>,
     /// The player.
@@ -48,13 +51,25 @@ pub struct BoardView {
 impl BoardView {
     /// After another graph was opened.
     pub fn opened(&mut self) {
-        *self = Self::default();
+        *self = Self { looks: self.looks + 1, ..Self::default() };
     }
 
     /// Number of boards that are seen.
     #[must_use]
     pub fn count(&self) -> u32 {
         self.found.as_ref().map_or(0, |b| b.layout.boards)
+    }
+
+    /// The layout that is seen, with its parts.
+    #[must_use]
+    pub fn found(&self) -> Option<&Boards> {
+        self.found.as_ref()
+    }
+
+    /// Counts what was looked for.
+    #[must_use]
+    pub fn looks(&self) -> u64 {
+        self.looks
     }
 
     /// The programs that can be played.
@@ -101,13 +116,20 @@ impl BoardView {
             return;
         }
         self.of = Some((model.results.count, model.selection.clone()));
-        let found = boards(model);
-        let node = |b: &Option<Boards>| b.as_ref().map(|b| b.node.clone());
-        if node(&self.found) != node(&found) {
+        self.looks += 1;
+        let [layout, program] = &mut self.last;
+        let found = boards(model, layout.as_deref());
+        if let Some(found) = &found
+            && layout.as_ref() != Some(&found.node)
+        {
             // Programs of other boards are none of these.
             self.plays.forget();
+            *layout = Some(found.node.clone());
         }
-        let programs = found.as_ref().and_then(|b| programs(model, &b.node));
+        let programs = found.as_ref().and_then(|b| programs(model, &b.node, program.as_deref()));
+        if let Some(found) = &programs {
+            *program = Some(found.node.clone());
+        }
         self.player.faults = programs.as_ref().map(|p| faults(model, &p.node)).unwrap_or_default();
         self.found = found;
         match programs {

@@ -32,12 +32,16 @@ fn sources<'a>(document: &'a Document, node: &str) -> impl Iterator<Item = &'a s
     inputs.into_iter().flat_map(|i| i.values()).flat_map(|w| w.from.iter().map(Name::as_str))
 }
 
-/// All outputs of a type that have a value: selected nodes first, then by id.
-fn outputs<'a>(model: &'a Model, type_name: &'a str) -> impl Iterator<Item = (&'a String, String, &'a Tree)> {
-    let nodes = model.document().nodes();
-    let chosen = nodes.iter().filter(|(id, _)| model.selection.contains(*id));
-    let others = nodes.iter().filter(|(id, _)| !model.selection.contains(*id));
-    chosen.chain(others).flat_map(move |(id, node)| {
+/// All outputs of a type that have a value: first those of selected nodes, then those of the node that was shown last, then
+/// by id.
+fn outputs<'a>(
+    model: &'a Model,
+    type_name: &'a str,
+    last: Option<&str>,
+) -> impl Iterator<Item = (&'a String, String, &'a Tree)> {
+    let mut nodes: Vec<_> = model.document().nodes().iter().collect();
+    nodes.sort_by_key(|(id, _)| (!model.selection.contains(*id), last != Some(id.as_str())));
+    nodes.into_iter().flat_map(move |(id, node)| {
         let ports = model.catalog.get(&node.type_name).into_iter().flat_map(|t| &t.outputs);
         ports.filter(move |p| p.type_name == type_name).filter_map(move |p| {
             let address = format!("{id}.{}", p.name);
@@ -47,20 +51,30 @@ fn outputs<'a>(model: &'a Model, type_name: &'a str) -> impl Iterator<Item = (&'
     })
 }
 
-/// The parts of the first layout that there is; that of a selected node goes first.
+/// The parts of a layout: of a selected node, or of one that a selected program or proof is for; else of the node whose boards
+/// were shown `last`; else of the first that there is.
 #[must_use]
-pub fn boards(model: &Model) -> Option<Boards> {
-    outputs(model, "layout").find_map(|(node, _, tree)| {
-        let layout = tree.first::<V<Layout>>()?.clone();
-        let (from, parts) =
-            sources(model.document(), node).find_map(|s| Some((s, model.value(s)?.first::<V<PartSet>>()?.clone())))?;
-        let mapper = from.split_once('.')?.0;
-        let panels = sources(model.document(), mapper)
-            .find(|s| model.value(s).is_some_and(|t| t.first::<V<PanelSet>>().is_some()));
-        let panels = panels.map(|p| model.path_of(p).into_owned());
-        let grain = grain(model, node, mapper);
-        Some(Boards { node: node.clone(), layout, parts, panels, grain })
-    })
+pub fn boards(model: &Model, last: Option<&str>) -> Option<Boards> {
+    let all: Vec<Boards> = outputs(model, "layout", last).filter_map(|(node, _, tree)| of(model, node, tree)).collect();
+    let chosen = |b: &Boards| model.selection.contains(&b.node);
+    let made = |b: &Boards| {
+        let of = |type_name| outputs(model, type_name, None).take_while(|(node, _, _)| model.selection.contains(*node));
+        of("program").chain(of("proof")).any(|(node, _, _)| comes_from(model, node, &b.node, &["program", "layout"]))
+    };
+    let meant = all.iter().position(chosen).or_else(|| all.iter().position(made));
+    all.into_iter().nth(meant.unwrap_or(0))
+}
+
+fn of(model: &Model, node: &str, tree: &Tree) -> Option<Boards> {
+    let layout = tree.first::<V<Layout>>()?.clone();
+    let (from, parts) =
+        sources(model.document(), node).find_map(|s| Some((s, model.value(s)?.first::<V<PartSet>>()?.clone())))?;
+    let mapper = from.split_once('.')?.0;
+    let panels =
+        sources(model.document(), mapper).find(|s| model.value(s).is_some_and(|t| t.first::<V<PanelSet>>().is_some()));
+    let panels = panels.map(|p| model.path_of(p).into_owned());
+    let grain = grain(model, node, mapper);
+    Some(Boards { node: node.to_owned(), layout, parts, panels, grain })
 }
 
 /// A text that an input has, by wire or of its own.
@@ -84,7 +98,7 @@ fn grain(model: &Model, packer: &str, mapper: &str) -> Option<DVec2> {
 /// Tool paths with the parts that they cut, and a digest of both; none if no node gives them.
 #[must_use]
 pub fn paths(model: &Model) -> Option<(V<PartPaths>, V<PartSet>, u128)> {
-    outputs(model, "tool_paths").find_map(|(node, _, tree)| {
+    outputs(model, "tool_paths", None).find_map(|(node, _, tree)| {
         let all = sources(model.document(), node).filter_map(|s| model.value(s));
         let parts = all.filter(|t| t.first::<V<PartSet>>().is_some()).collect::<Vec<_>>();
         let from = parts.first()?;
@@ -132,7 +146,7 @@ impl Faults {
 #[must_use]
 pub fn faults(model: &Model, programs: &str) -> Faults {
     let mut faults = Faults::default();
-    let proofs = outputs(model, "proof").filter(|(node, _, _)| comes_from(model, node, programs, &["program"]));
+    let proofs = outputs(model, "proof", None).filter(|(node, _, _)| comes_from(model, node, programs, &["program"]));
     for p in proofs.filter_map(|(_, _, tree)| tree.first::<V<ProofReport>>()).flat_map(|p| &p.programs) {
         let fault = |r: &proof::Reason| Fault { board: p.board, line: r.line, at: r.at, words: r.to_string() };
         faults.told.extend(p.reasons.iter().map(fault));
@@ -153,10 +167,12 @@ pub struct Programs {
     pub digest: u128,
 }
 
-/// The programs of the layout that a node gives, those that are judged best: proven ones before others.
+/// The programs of the layout that a node gives, those that are judged best: proven ones before others. Of equal ones those of
+/// a selected node count, else those of the node whose programs were shown `last`.
 #[must_use]
-pub fn programs(model: &Model, layout: &str) -> Option<Programs> {
-    let own = outputs(model, "program").filter(|(node, _, _)| comes_from(model, node, layout, &["program", "layout"]));
+pub fn programs(model: &Model, layout: &str, last: Option<&str>) -> Option<Programs> {
+    let own =
+        outputs(model, "program", last).filter(|(node, _, _)| comes_from(model, node, layout, &["program", "layout"]));
     let found = own.filter_map(|(node, _, tree)| {
         let machine =
             sources(model.document(), node).find_map(|s| model.value(s)?.first::<V<MachineFile>>().cloned())?;

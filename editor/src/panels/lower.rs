@@ -3,8 +3,8 @@
 use super::data::DataView;
 use super::pieces::Pieces;
 use super::profile::Profile;
+use crate::boards::BoardView;
 use crate::model::Model;
-use crate::model::play::Play;
 use crate::theme::Theme;
 use crate::viewport::Picked;
 use eframe::egui::{RichText, ScrollArea, TextWrapMode, Ui};
@@ -77,7 +77,7 @@ impl Lower {
     }
 
     /// Shows it; gives what was clicked.
-    pub fn show(&mut self, ui: &mut Ui, model: &Model, plays: &[Play]) -> Option<Went> {
+    pub fn show(&mut self, ui: &mut Ui, model: &Model, boards: &BoardView) -> Option<Went> {
         ui.horizontal(|ui| {
             for tab in [Tab::Problems, Tab::Profile, Tab::Data, Tab::Pieces] {
                 if ui.selectable_label(self.tab == Some(tab), tab.name()).clicked() {
@@ -98,7 +98,7 @@ impl Lower {
                 self.data.show(ui, model);
                 None
             }
-            Tab::Pieces => self.pieces.show(ui, model, plays),
+            Tab::Pieces => self.pieces.show(ui, model, boards),
         }
     }
 }

@@ -2,12 +2,12 @@
 //! the panel.
 
 use super::lower::Went;
+use crate::boards::BoardView;
 use crate::model::Model;
-use crate::model::cut::boards;
 use crate::model::play::Play;
 use crate::viewport::Picked;
 use eframe::egui::{RichText, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, WidgetType, vec2};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 use std::fmt::Write as _;
 use tenon_geometry::joint::Machining;
 use tenon_geometry::mesh::Address;
@@ -35,15 +35,15 @@ const COLUMNS: [&str; 7] = ["address", "board", "area m²", "volume dm³", "edge
 /// The list, kept while nothing changes.
 #[derive(Default)]
 pub struct Pieces {
-    of: Option<(u64, BTreeSet<String>, usize)>,
+    of: Option<(u64, usize)>,
     all: Vec<Piece>,
     /// The output whose panels the parts are.
     panels: Option<String>,
     sorted: (usize, bool),
 }
 
-fn list(model: &Model, plays: &[Play]) -> (Vec<Piece>, Option<String>) {
-    let Some(found) = boards(model) else { return (Vec::new(), None) };
+fn list(boards: &BoardView) -> (Vec<Piece>, Option<String>) {
+    let Some(found) = boards.found() else { return (Vec::new(), None) };
     let panels = &found.parts.panels;
     let mut holes = vec![0; panels.len()];
     for f in &found.parts.features.features {
@@ -51,7 +51,7 @@ fn list(model: &Model, plays: &[Play]) -> (Vec<Piece>, Option<String>) {
             *n += 1;
         }
     }
-    let times: Vec<_> = plays.iter().map(Play::time_of_parts).collect();
+    let times: Vec<_> = boards.plays().iter().map(Play::time_of_parts).collect();
     let lies: HashMap<u32, u32> = found.layout.placements.iter().map(|p| (p.part, p.board)).collect();
     let all = (0..panels.len()).map(|i| {
         let place = panels.address.get(i).copied();
@@ -69,7 +69,7 @@ fn list(model: &Model, plays: &[Play]) -> (Vec<Piece>, Option<String>) {
             address,
         }
     });
-    (all.collect(), found.panels)
+    (all.collect(), found.panels.clone())
 }
 
 fn sort(all: &mut [Piece], (column, down): (usize, bool)) {
@@ -101,17 +101,14 @@ fn cells(p: &Piece) -> [String; 7] {
 }
 
 impl Pieces {
-    /// Shows the list; gives what was clicked.
-    pub fn show(&mut self, ui: &mut Ui, model: &Model, plays: &[Play]) -> Option<Went> {
-        // The programs come later than the values that they are read from.
-        let read = plays.as_ptr() as usize;
-        let same = |(count, selection, read_from): &(u64, BTreeSet<String>, usize)| {
-            *count == model.results.count && *read_from == read && *selection == model.selection
-        };
-        if !self.of.as_ref().is_some_and(same) {
-            (self.all, self.panels) = list(model, plays);
+    /// Shows the parts of the boards that are seen; gives what was clicked.
+    pub fn show(&mut self, ui: &mut Ui, model: &Model, boards: &BoardView) -> Option<Went> {
+        // The programs come later than the boards that they cut.
+        let of = (boards.looks(), boards.plays().as_ptr() as usize);
+        if self.of != Some(of) {
+            (self.all, self.panels) = list(boards);
             sort(&mut self.all, self.sorted);
-            self.of = Some((model.results.count, model.selection.clone(), read));
+            self.of = Some(of);
         }
         if self.all.is_empty() {
             ui.weak("No node gives a layout yet. The pieces appear once parts are packed.");
