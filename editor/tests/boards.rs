@@ -7,7 +7,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use image::RgbaImage;
 use serde_json::json;
 use tenon_editor::app::Side;
-use tenon_engine::Operation;
+use tenon_engine::{NodeState, Operation};
 
 #[test]
 fn the_boards_are_seen_and_the_tool_moves_through_them() {
@@ -575,4 +575,90 @@ fn files_are_written_from_the_boards_and_from_the_pieces() {
         assert!(count > 1 && std::fs::read_dir(&out).unwrap().count() == count + 1);
         w.click(w.rect("Space").center());
     }
+}
+
+#[test]
+fn boards_are_seen_wherever_they_are_made_and_from_everywhere() {
+    let mut w = Window::sized(Some(&example("three-strips")), vec2(1600.0, 900.0));
+    w.click(w.first("Pieces").center());
+    boards_of(&mut w);
+    let seen = |w: &mut Window| {
+        w.settle();
+        w.steps(2);
+        let found = w.app().boards.found().expect("boards are there");
+        let (node, panels) = (found.node.clone(), found.panels.clone().unwrap());
+        assert!(w.has("board 1") && w.has_containing("64 pieces"));
+        (node, panels)
+    };
+    // The packer is two clusters deep; its panels are seen as the instance's.
+    assert_eq!(seen(&mut w), ("high/cut/pack".into(), "high.panels".into()));
+    w.click(w.rect("node low").center());
+    assert_eq!(seen(&mut w), ("low/cut/pack".into(), "low.panels".into()));
+    w.click(w.rect("node area").center());
+    assert_eq!(seen(&mut w), ("low/cut/pack".into(), "low.panels".into()));
+    let piece = w.first_containing("piece ").center();
+    w.click(piece);
+    assert!(w.app().model.selection.contains("low"), "{:?}", w.app().model.selection);
+    assert_eq!(w.app().viewport.picked.as_ref().unwrap().output, "low.panels");
+    // Inside another instance they stay, until something else is selected there.
+    w.app().model.enter("middle").unwrap();
+    w.app().canvas.opened();
+    assert_eq!(seen(&mut w), ("low/cut/pack".into(), "low/thicken.panels".into()));
+    w.click(w.rect("node cut").center());
+    assert_eq!(seen(&mut w), ("middle/cut/pack".into(), "middle/thicken.panels".into()));
+    w.app().model.enter("cut").unwrap();
+    w.app().canvas.opened();
+    assert_eq!(seen(&mut w).0, "middle/cut/pack");
+    // A piece leads to its panels, out of the cluster that does not have them.
+    let piece = w.first_containing("piece ").center();
+    w.click(piece);
+    w.settle();
+    assert_eq!(w.app().model.trail().len(), 1);
+    assert!(w.app().model.selection.contains("thicken"), "{:?}", w.app().model.selection);
+}
+
+#[test]
+fn programs_and_faults_inside_a_cluster_are_played_as_those_outside() {
+    // All of the fabrication is put into a cluster, by hand.
+    let graph = small_shell("in-cluster", |nodes| {
+        nodes["clamped"] = json!({ "type": "machine", "v": 1, "params": { "path": "clamped.json" } });
+        nodes["prove"]["inputs"]["machine"] = json!({ "from": ["clamped.machine"] });
+    });
+    clamp(&graph);
+    let mut w = Window::sized(Some(&graph), vec2(1600.0, 900.0));
+    boards_of(&mut w);
+    let told = |w: &mut Window| {
+        let boards = &w.app().boards;
+        let grain = boards.grain().map(|g| g.to_array());
+        (boards.count(), boards.plays().len(), boards.player.faults.told.len(), grain)
+    };
+    let outside = told(&mut w);
+    assert!(outside.1 == 1 && outside.2 > 0 && outside.3 == Some([1.0, 0.0]), "{outside:?}");
+    let made = ["map", "pack", "post", "prove"].map(str::to_owned);
+    w.app().model.selection = made.into();
+    w.steps(1);
+    w.hover(w.rect("canvas").left_top() + vec2(20.0, 20.0));
+    w.key(Modifiers::COMMAND, Key::K);
+    assert!(w.app().model.message.is_none(), "{:?}", w.app().model.message);
+    w.settle();
+    assert!(!w.app().model.document().nodes().contains_key("pack"));
+    assert_eq!(told(&mut w), outside);
+    let made = w.app().model.selection.first().cloned().unwrap();
+    w.app().model.enter(&made).unwrap();
+    w.app().canvas.opened();
+    w.settle();
+    assert_eq!(told(&mut w), outside);
+    assert!(w.has("Play") && w.has("board 1"));
+}
+
+#[test]
+fn a_layout_whose_parts_are_not_there_is_told_in_words() {
+    let mut w = Window::open(Some(&small_shell("no-parts", |_| ())));
+    boards_of(&mut w);
+    for (node, state) in [("pack", NodeState::Frozen), ("map", NodeState::Disabled)] {
+        assert!(w.app().model.edit(Operation::SetState { node: node.into(), state }));
+        w.settle();
+    }
+    assert!(w.app().boards.found().is_none());
+    assert!(w.has_containing("pack gives a layout, but the parts that lie on it cannot be reached"));
 }

@@ -8,7 +8,7 @@ mod space;
 use crate::canvas::View;
 use crate::model::Model;
 use crate::model::beside::Beside;
-use crate::model::cut::{Boards, boards, faults, programs};
+use crate::model::cut::{Boards, boards, faults, missing, programs};
 use crate::model::play::{Now, Play};
 use crate::theme::Theme;
 use crate::viewport::Picked;
@@ -159,9 +159,7 @@ impl BoardView {
     pub fn show(&mut self, ui: &mut Ui, model: &mut Model, picked: &mut Option<Picked>) {
         self.look(ui.ctx(), model);
         if self.found.is_none() {
-            ui.centered_and_justified(|ui| {
-                ui.label("No node gives a layout yet. The boards appear once parts are packed.")
-            });
+            ui.centered_and_justified(|ui| ui.label(missing(model, "boards")));
             return;
         }
         if let Some(plays) = self.plays.last().cloned().filter(|p| !p.is_empty()) {

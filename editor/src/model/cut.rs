@@ -1,9 +1,10 @@
 //! What the machine makes of the graph: parts on boards, tool paths, programs, and what a proof says of them. Looked for among
-//! the values of the graph, so that any node that gives a layout or programs will do.
+//! the values of the whole graph and of what is inside its clusters, so that any node that gives a layout or programs will do.
 
 use super::Model;
+use super::reach::{Given, given, origin, place, sources};
 use std::collections::{BTreeMap, BTreeSet};
-use tenon_engine::{Document, Json, Literal, Name, Text, Tree};
+use tenon_engine::{Text, Tree};
 use tenon_geometry::board::{Layout, PartSet};
 use tenon_geometry::motion::PartPaths;
 use tenon_geometry::panel::PanelSet;
@@ -12,78 +13,107 @@ use tenon_geometry::{DVec2, DVec3, proof};
 use tenon_nodes::post::MachineFile;
 use tenon_nodes::value::{Program, Standing, V};
 
+/// Types of values that tell what the machine makes.
+pub(super) const MADE: [&str; 4] = ["layout", "program", "proof", "tool_paths"];
+
+/// Those, and the types of what they are made of.
+pub(super) const ASKED: [&str; 7] = ["layout", "program", "proof", "tool_paths", "machine", "panels", "parts"];
+
 /// Parts on boards.
 pub struct Boards {
-    /// The node that laid them out.
+    /// The node that laid them out, by its path.
     pub node: String,
     /// Where they lie.
     pub layout: V<Layout>,
     /// The parts themselves.
     pub parts: V<PartSet>,
-    /// The output (`node.port`) whose panels the parts are, if it is seen in the viewport.
+    /// The output (`node.port`) whose panels the parts are: as the viewport names it, if it is seen there.
     pub panels: Option<String>,
     /// Along what the boards' grain runs; none if parts may be turned freely, so that there is none.
     pub grain: Option<DVec2>,
 }
 
-/// `node.port` of all wires to a node.
-fn sources<'a>(document: &'a Document, node: &str) -> impl Iterator<Item = &'a str> {
-    let inputs = document.nodes().get(node).map(|n| &n.inputs);
-    inputs.into_iter().flat_map(|i| i.values()).flat_map(|w| w.from.iter().map(Name::as_str))
+/// The value of an output (`path.port`), wherever it stands.
+fn value<'a>(model: &'a Model, output: &str) -> Option<&'a Tree> {
+    model.results.values.get(output)
 }
 
-/// All outputs of a type that have a value: first those of selected nodes, then those of the node that was shown last, then
-/// by id.
+/// Whether a node has outputs of a type, and if a port is named, that one.
+fn gives(model: &Model, path: &str, type_name: &str, port: Option<&str>) -> bool {
+    let at = place(model.whole(), path).filter(|at| at.node.cluster().is_none());
+    let ports = at.and_then(|at| model.catalog.get(&at.node.type_name)).map_or(&[][..], |t| &t.outputs);
+    ports.iter().any(|p| p.type_name == type_name && port.is_none_or(|port| p.name == port))
+}
+
+/// The nodes that give a type, by their paths, with each value of it that there is: first selected nodes and what is inside
+/// selected instances, then the node that was shown last, then by path. O(what tells what the machine makes).
 fn outputs<'a>(
     model: &'a Model,
     type_name: &'a str,
     last: Option<&str>,
-) -> impl Iterator<Item = (&'a String, String, &'a Tree)> {
-    let mut nodes: Vec<_> = model.document().nodes().iter().collect();
-    nodes.sort_by_key(|(id, _)| (!model.selection.contains(*id), last != Some(id.as_str())));
-    nodes.into_iter().flat_map(move |(id, node)| {
-        let ports = model.catalog.get(&node.type_name).into_iter().flat_map(|t| &t.outputs);
-        ports.filter(move |p| p.type_name == type_name).filter_map(move |p| {
-            let address = format!("{id}.{}", p.name);
-            let tree = model.value(&address)?;
-            Some((id, address, tree))
-        })
-    })
+) -> impl Iterator<Item = (&'a str, &'a Tree)> + use<'a> {
+    let found = model.results.made.iter().filter_map(|output| {
+        let (path, port) = output.split_once('.')?;
+        let tree = value(model, output).filter(|t| t.type_name() == type_name)?;
+        gives(model, path, type_name, Some(port)).then_some((path, tree))
+    });
+    let mut found: Vec<_> = found.collect();
+    found.sort_by_key(|(path, _)| (!model.is_chosen(path), last != Some(*path)));
+    found.into_iter()
 }
 
 /// The parts of a layout: of a selected node, or of one that a selected program or proof is for; else of the node whose boards
-/// were shown `last`; else of the first that there is.
+/// were shown `last`; else of the first that there is. An instance that is selected counts for what is inside it.
 #[must_use]
 pub fn boards(model: &Model, last: Option<&str>) -> Option<Boards> {
-    let all: Vec<Boards> = outputs(model, "layout", last).filter_map(|(node, _, tree)| of(model, node, tree)).collect();
-    let chosen = |b: &Boards| model.selection.contains(&b.node);
+    let all: Vec<Boards> = outputs(model, "layout", last).filter_map(|(node, tree)| of(model, node, tree)).collect();
+    let chosen = |b: &Boards| model.is_chosen(&b.node);
     let made = |b: &Boards| {
-        let of = |type_name| outputs(model, type_name, None).take_while(|(node, _, _)| model.selection.contains(*node));
-        of("program").chain(of("proof")).any(|(node, _, _)| comes_from(model, node, &b.node, &["program", "layout"]))
+        let of = |type_name| outputs(model, type_name, None).take_while(|(node, _)| model.is_chosen(node));
+        of("program").chain(of("proof")).any(|(node, _)| comes_from(model, node, &b.node, &["program", "layout"]))
     };
     let meant = all.iter().position(chosen).or_else(|| all.iter().position(made));
     all.into_iter().nth(meant.unwrap_or(0))
 }
 
 fn of(model: &Model, node: &str, tree: &Tree) -> Option<Boards> {
+    let whole = model.whole();
     let layout = tree.first::<V<Layout>>()?.clone();
-    let (from, parts) =
-        sources(model.document(), node).find_map(|s| Some((s, model.value(s)?.first::<V<PartSet>>()?.clone())))?;
+    let (from, parts) = sources(whole, node)
+        .into_iter()
+        .find_map(|s| value(model, &s)?.first::<V<PartSet>>().cloned().map(|parts| (s, parts)))?;
     let mapper = from.split_once('.')?.0;
-    let panels =
-        sources(model.document(), mapper).find(|s| model.value(s).is_some_and(|t| t.first::<V<PanelSet>>().is_some()));
-    let panels = panels.map(|p| model.path_of(p).into_owned());
+    let is_panels = |s: &String| value(model, s).is_some_and(|t| t.first::<V<PanelSet>>().is_some());
+    let panels = sources(whole, mapper).into_iter().find(is_panels).map(|panels| seen_as(model, panels));
     let grain = grain(model, node, mapper);
     Some(Boards { node: node.to_owned(), layout, parts, panels, grain })
 }
 
+/// The name under which the viewport shows an output: its own, or that of an instance around it.
+fn seen_as(model: &Model, output: String) -> String {
+    let drawings = &model.results.drawings;
+    if drawings.contains_key(&output) {
+        return output;
+    }
+    let same = |shown: &&String| origin(model.whole(), shown).as_ref() == Some(&output);
+    drawings.keys().find(same).cloned().unwrap_or(output)
+}
+
+/// Why there are no boards, in words; `what` of them would be seen.
+#[must_use]
+pub fn missing(model: &Model, what: &str) -> String {
+    let is_layout = |output: &&String| value(model, output).is_some_and(|t| t.type_name() == "layout");
+    match model.results.made.iter().find(is_layout).and_then(|output| output.split_once('.')) {
+        Some((node, _)) => format!("{node} gives a layout, but the parts that lie on it cannot be reached from there."),
+        None => format!("No node gives a layout yet. The {what} appear once parts are packed."),
+    }
+}
+
 /// A text that an input has, by wire or of its own.
 fn text(model: &Model, node: &str, port: &str) -> Option<String> {
-    let node = model.document().nodes().get(node)?;
-    let wired = node.inputs.get(port).and_then(|w| w.from.first());
-    match wired {
-        Some(from) => model.value(from)?.first::<Text>().map(|t| t.0.to_string()),
-        None => node.params.get(port).map(Literal::to_json).as_ref().and_then(Json::as_str).map(str::to_owned),
+    match given(model.whole(), node, port)? {
+        Given::Wires(from) => value(model, from.first()?)?.first::<Text>().map(|t| t.0.to_string()),
+        Given::Value(set) => set.to_json().as_str().map(str::to_owned),
     }
 }
 
@@ -98,10 +128,9 @@ fn grain(model: &Model, packer: &str, mapper: &str) -> Option<DVec2> {
 /// Tool paths with the parts that they cut, and a digest of both; none if no node gives them.
 #[must_use]
 pub fn paths(model: &Model) -> Option<(V<PartPaths>, V<PartSet>, u128)> {
-    outputs(model, "tool_paths", None).find_map(|(node, _, tree)| {
-        let all = sources(model.document(), node).filter_map(|s| model.value(s));
-        let parts = all.filter(|t| t.first::<V<PartSet>>().is_some()).collect::<Vec<_>>();
-        let from = parts.first()?;
+    outputs(model, "tool_paths", None).find_map(|(node, tree)| {
+        let all = sources(model.whole(), node);
+        let from = all.iter().filter_map(|s| value(model, s)).find(|t| t.first::<V<PartSet>>().is_some())?;
         let digest = tree.digest() ^ from.digest().rotate_left(64);
         Some((tree.first::<V<PartPaths>>()?.clone(), from.first::<V<PartSet>>()?.clone(), digest))
     })
@@ -146,8 +175,8 @@ impl Faults {
 #[must_use]
 pub fn faults(model: &Model, programs: &str) -> Faults {
     let mut faults = Faults::default();
-    let proofs = outputs(model, "proof", None).filter(|(node, _, _)| comes_from(model, node, programs, &["program"]));
-    for p in proofs.filter_map(|(_, _, tree)| tree.first::<V<ProofReport>>()).flat_map(|p| &p.programs) {
+    let proofs = outputs(model, "proof", None).filter(|(node, _)| comes_from(model, node, programs, &["program"]));
+    for p in proofs.filter_map(|(_, tree)| tree.first::<V<ProofReport>>()).flat_map(|p| &p.programs) {
         let fault = |r: &proof::Reason| Fault { board: p.board, line: r.line, at: r.at, words: r.to_string() };
         faults.told.extend(p.reasons.iter().map(fault));
         *faults.more.entry(p.board).or_default() += p.omitted;
@@ -157,7 +186,7 @@ pub fn faults(model: &Model, programs: &str) -> Faults {
 
 /// Programs with the machine that they are for.
 pub struct Programs {
-    /// The node that gives them.
+    /// The node that gives them, by its path.
     pub node: String,
     /// The machine.
     pub machine: V<MachineFile>,
@@ -172,14 +201,14 @@ pub struct Programs {
 #[must_use]
 pub fn programs(model: &Model, layout: &str, last: Option<&str>) -> Option<Programs> {
     let own =
-        outputs(model, "program", last).filter(|(node, _, _)| comes_from(model, node, layout, &["program", "layout"]));
-    let found = own.filter_map(|(node, _, tree)| {
-        let machine =
-            sources(model.document(), node).find_map(|s| model.value(s)?.first::<V<MachineFile>>().cloned())?;
+        outputs(model, "program", last).filter(|(node, _)| comes_from(model, node, layout, &["program", "layout"]));
+    let found = own.filter_map(|(node, tree)| {
+        let all = sources(model.whole(), node);
+        let machine = all.iter().find_map(|s| value(model, s)?.first::<V<MachineFile>>().cloned())?;
         let columns = tree.branches().iter().map(|(_, c)| c);
         let all: Vec<Program> =
             columns.flat_map(|c| (0..c.len()).filter_map(|i| c.get::<Program>(i).cloned())).collect();
-        let node = node.clone();
+        let node = node.to_owned();
         (!all.is_empty()).then_some(Programs { node, machine, all, digest: tree.digest() })
     });
     let judged = |p: &Programs| p.all.iter().filter(|p| p.standing != Standing::Unproven).count();
@@ -190,23 +219,20 @@ pub fn programs(model: &Model, layout: &str, last: Option<&str>) -> Option<Progr
 /// first of `types` that any of them brings, since programs say more of where a proof belongs than the layout beside them;
 /// all, if none brings any. Another layout ends the way. O(wires).
 fn comes_from(model: &Model, node: &str, origin: &str, types: &[&str]) -> bool {
-    let document = model.document();
-    let gives_layout = |id: &str| {
-        let ports = document.nodes().get(id).and_then(|n| model.catalog.get(&n.type_name));
-        ports.is_some_and(|t| t.outputs.iter().any(|p| p.type_name == "layout"))
-    };
-    let (mut open, mut seen) = (vec![node], BTreeSet::new());
-    while let Some(id) = open.pop() {
-        if id == origin {
+    let (mut open, mut seen) = (vec![node.to_owned()], BTreeSet::new());
+    while let Some(path) = open.pop() {
+        if path == origin {
             return true;
         }
-        if !seen.insert(id) || gives_layout(id) {
+        if seen.contains(&path) || gives(model, &path, "layout", None) {
             continue;
         }
-        let brings = |s: &&str, name: &str| model.value(s).is_some_and(|t| t.type_name() == name);
-        let kind = types.iter().find(|name| sources(document, id).any(|s| brings(&s, name)));
-        let wires = sources(document, id).filter(|s| kind.is_none_or(|name| brings(s, name)));
-        open.extend(wires.filter_map(|s| s.split_once('.')).map(|(id, _)| id));
+        let sources = sources(model.whole(), &path);
+        seen.insert(path);
+        let brings = |s: &str, name: &str| value(model, s).is_some_and(|t| t.type_name() == name);
+        let kind = types.iter().find(|name| sources.iter().any(|s| brings(s, name)));
+        let wires = sources.iter().filter(|s| kind.is_none_or(|name| brings(s, name)));
+        open.extend(wires.filter_map(|s| s.split_once('.')).map(|(path, _)| path.to_owned()));
     }
     false
 }

@@ -17,6 +17,7 @@ pub mod keep;
 pub mod param;
 pub mod play;
 pub mod plugins;
+mod reach;
 pub mod results;
 pub mod salvage;
 mod slot;

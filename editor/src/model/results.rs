@@ -1,5 +1,6 @@
 //! What the evaluation has found so far, in the form in which views ask for it.
 
+use super::cut;
 use super::worker::{Done, Stage, Update};
 use crate::scene::Drawing;
 use std::collections::{BTreeMap, HashMap};
@@ -23,6 +24,8 @@ pub struct NodeResult {
 pub struct Results {
     /// Values by `node.port`.
     pub values: HashMap<String, Tree>,
+    /// Outputs whose values tell what the machine makes, as [`super::cut`] asks for them, in order.
+    pub(super) made: Vec<String>,
     /// What happened to nodes and to instances as a whole, by path.
     pub nodes: HashMap<String, NodeResult>,
     /// All that is wrong, errors first.
@@ -120,6 +123,9 @@ impl Results {
             self.files = done.files;
         }
         self.values = done.values;
+        let made = self.values.iter().filter(|(_, tree)| cut::MADE.contains(&tree.type_name()));
+        self.made = made.map(|(output, _)| output.clone()).collect();
+        self.made.sort_unstable();
         self.drawings = done.drawings;
     }
 
@@ -184,7 +190,7 @@ impl Results {
 
 /// The paths of the instances that a node stands in, from the outside; none if there is no such node. Ids may have a slash in
 /// them, so the document says where one ends. O(levels of clusters).
-fn instances<'a>(document: &Document, path: &'a str) -> Option<Vec<&'a str>> {
+pub(super) fn instances<'a>(document: &Document, path: &'a str) -> Option<Vec<&'a str>> {
     fn go<'a, 'd>(
         document: &'d Document,
         (body, names): (&'d Document, &mut Vec<&'d str>),

@@ -4,6 +4,7 @@
 use super::lower::Went;
 use crate::boards::BoardView;
 use crate::model::Model;
+use crate::model::cut::missing;
 use crate::model::play::Play;
 use crate::viewport::Picked;
 use eframe::egui::{RichText, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, WidgetType, vec2};
@@ -111,7 +112,7 @@ impl Pieces {
             self.of = Some(of);
         }
         if self.all.is_empty() {
-            ui.weak("No node gives a layout yet. The pieces appear once parts are packed.");
+            ui.weak(missing(model, "pieces"));
             return None;
         }
         let mut went = None;
