@@ -468,9 +468,19 @@ fn a_long_text_is_work_while_it_is_typed() {
     assert!(std::fs::read_to_string(&path).unwrap().contains("spans 4.5 m."));
     w.type_text(" And more.");
     assert!(w.app().model.unsaved());
+    let (kept, start) = (w.app().model.kept_path().unwrap(), std::time::Instant::now());
+    while !std::fs::read_to_string(&kept).is_ok_and(|text| text.contains("spans 4.5 m. And more.")) {
+        assert!(start.elapsed().as_secs() < 60, "it is not kept");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        w.steps(1);
+    }
+    // What else is done meanwhile is a step of its own.
+    let out = w.rect("node a").center();
+    w.drag(out, out + vec2(0.0, 40.0));
+    w.app().model.undo();
     w.key(Modifiers::COMMAND, Key::Enter);
     assert_eq!(w.param("note", "text"), "\"The arc spans 4.5 m. And more.\"");
-    assert_eq!(w.app().model.steps().0, steps + 1, "one step");
+    assert_eq!(w.app().model.steps().0, steps + 2, "one step until it was saved, and one after that");
     // Escape gives up what was typed last.
     w.double_click(w.rect("node note").center());
     w.key(Modifiers::COMMAND, Key::A);
@@ -497,4 +507,10 @@ fn nodes_that_come_without_a_place_get_one() {
     for (i, a) in all.iter().enumerate() {
         assert!(all[..i].iter().all(|b| !a.intersects(*b)), "{all:?}");
     }
+    assert!(w.app().model.unsaved());
+    for _ in 0..3 {
+        w.app().model.undo();
+        w.steps(1);
+    }
+    assert!(!w.app().model.unsaved(), "it is as it was opened");
 }

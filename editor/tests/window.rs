@@ -49,6 +49,7 @@ fn a_slow_node_holds_no_frame_and_escape_stops_it() {
         w.steps(1);
     }
     assert!(w.app().model.results.cancelled, "it was stopped, not finished");
+    assert!(w.app().model.was_stopped_at("p") && !w.app().model.was_stopped_at("a"), "the node says so");
     w.steps(2);
     assert!(w.has("stopped; F5 runs it again"));
 }

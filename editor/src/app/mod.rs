@@ -249,13 +249,12 @@ impl App {
 
     /// Goes where a click in the lower panel leads.
     fn went(&mut self, ctx: &egui::Context, to: panels::Went) {
+        // What is being typed belongs to what is seen now.
+        self.canvas.settle(&mut self.model);
+        let before = self.model.trail().to_vec();
         match to {
             panels::Went::Node(path) => {
-                let before = self.model.trail().to_vec();
                 self.model.go_into(&path);
-                if self.model.trail() != before {
-                    self.canvas.opened();
-                }
                 self.canvas.show_all();
             }
             panels::Went::Export => self.browse(ctx, panels::Browse::Export),
@@ -263,6 +262,9 @@ impl App {
                 self.model.go_to(&picked.output);
                 self.viewport.picked = Some(picked);
             }
+        }
+        if self.model.trail() != before {
+            self.canvas.opened();
         }
     }
 

@@ -33,8 +33,6 @@ pub struct Typing {
     begun: bool,
     /// It asked for the keyboard and has not got it yet.
     asked: bool,
-    /// What was typed is in the graph already, as a step that is still open.
-    live: bool,
     /// The entries to choose from are to be edited.
     pub entries: bool,
 }
@@ -56,7 +54,6 @@ impl Typing {
             text: param::to_text(value.as_ref()),
             begun: false,
             asked: false,
-            live: false,
             entries: false,
         }
     }
@@ -84,17 +81,7 @@ impl Typing {
 
     fn empty() -> Self {
         let (node, text) = (String::new(), String::new());
-        Self {
-            node,
-            what: What::Id,
-            lines: false,
-            raw: false,
-            text,
-            begun: false,
-            asked: false,
-            live: false,
-            entries: false,
-        }
+        Self { node, what: What::Id, lines: false, raw: false, text, begun: false, asked: false, entries: false }
     }
 
     /// The input whose value is typed.
@@ -200,19 +187,10 @@ impl Typing {
             return true;
         }
         if ui.input(|i| i.key_pressed(Key::Escape)) {
-            if self.live {
-                model.abort();
-            }
             return false;
         }
-        if self.lines && field.changed() {
-            // A long text is work that is saved, kept and asked for while it is typed; all of it is one step.
-            if !self.live {
-                model.begin();
-                self.live = true;
-            }
-            self.commit(model);
-        }
+        // A long text is work while it is typed.
+        model.set_typed(self.value(model).filter(|_| self.lines));
         let enter = ui.input(|i| i.key_pressed(Key::Enter) && (!self.lines || i.modifiers.command));
         if enter {
             self.commit(model);
@@ -282,15 +260,20 @@ impl Typing {
         };
         if let Some(operation) = self.slider(model).filter(|_| port == "value") {
             model.edit(operation);
-            return;
+        } else if let Some(operation) = self.value(model) {
+            model.edit(operation);
         }
+    }
+
+    /// Sets the input to what was typed; none if that changes nothing.
+    fn value(&self, model: &Model) -> Option<Operation> {
+        let port = self.port()?.to_owned();
         let node = model.document().nodes().get(&self.node);
         let info = node.and_then(|n| model.catalog.get(&n.type_name)).cloned();
-        let Some(input) = info.as_ref().and_then(|t| t.inputs.iter().find(|p| p.name == port)) else { return };
+        let input = info.as_ref()?.inputs.iter().find(|p| p.name == port)?;
         let value = param::from_text(input, &self.text);
         let old = model.param(&self.node, &port);
-        if value != old && !(old.is_none() && value == input.default) {
-            model.edit(Operation::SetParam { node: self.node.clone(), port, value });
-        }
+        let changes = value != old && !(old.is_none() && value == input.default);
+        changes.then(|| Operation::SetParam { node: self.node.clone(), port, value })
     }
 }

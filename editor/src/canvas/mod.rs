@@ -322,7 +322,7 @@ impl Canvas {
     }
 
     fn typing(&mut self, ui: &mut Ui, area: Rect, model: &mut Model) {
-        let Some(mut typing) = self.typing.take() else { return };
+        let Some(mut typing) = self.typing.take() else { return model.set_typed(None) };
         let place = typing.place(&self.shapes, model).map(|r| self.view.rect_to_screen(area, r));
         if let Some(place) = place
             && typing.show(ui, place, area, model, self.view.zoom)

@@ -68,10 +68,9 @@ fn outputs<'a>(
 pub fn boards(model: &Model, last: Option<&str>) -> Option<Boards> {
     let all: Vec<Boards> = outputs(model, "layout", last).filter_map(|(node, tree)| of(model, node, tree)).collect();
     let chosen = |b: &Boards| model.is_chosen(&b.node);
-    let made = |b: &Boards| {
-        let of = |type_name| outputs(model, type_name, None).take_while(|(node, _)| model.is_chosen(node));
-        of("program").chain(of("proof")).any(|(node, _)| comes_from(model, node, &b.node, &["program", "layout"]))
-    };
+    let selected = |type_name| outputs(model, type_name, None).take_while(|(node, _)| model.is_chosen(node));
+    let selected: Vec<&str> = selected("program").chain(selected("proof")).map(|(node, _)| node).collect();
+    let made = |b: &Boards| selected.iter().any(|node| comes_from(model, node, &b.node, &["program", "layout"]));
     let meant = all.iter().position(chosen).or_else(|| all.iter().position(made));
     all.into_iter().nth(meant.unwrap_or(0))
 }

@@ -74,7 +74,7 @@ impl Model {
         };
         (self.keeper.slot, self.keeper.elsewhere) = (None, None);
         self.keeper.slot = file.and_then(|file| Slot::take(&file, locks.as_deref(), offer));
-        if offer && self.left_behind().is_none() {
+        if offer {
             self.keeper.elsewhere = self.slot_elsewhere(true).filter(|s| s.orphan);
         }
         if self.path().is_some() && self.keeper.slot.as_ref().is_some_and(|s| s.second) {
@@ -103,8 +103,9 @@ impl Model {
     #[must_use]
     pub fn left_behind(&self) -> Option<String> {
         let left = [&self.keeper.slot, &self.keeper.elsewhere].into_iter().flatten().filter(|s| s.orphan);
-        let mut texts = left.filter_map(|s| fs::read_to_string(&s.file).ok());
-        texts.find(|text| !text.trim().is_empty()).filter(|_| self.keeper.written.is_none())
+        let texts = left.filter_map(|s| Some((stamp(&s.file)?.0, fs::read_to_string(&s.file).ok()?)));
+        let latest = texts.filter(|(_, text)| !text.trim().is_empty()).max_by_key(|(time, _)| *time);
+        latest.map(|(_, text)| text).filter(|_| self.keeper.written.is_none())
     }
 
     /// Takes the work that was left behind, to be saved or undone.
@@ -194,7 +195,9 @@ impl Model {
 
     fn write_kept(&mut self) {
         let Some(path) = self.kept_path() else { return };
-        let text = self.document.to_string_canonical() + &self.document.layout_to_string();
+        let document = self.with_typed();
+        let text = document.to_string_canonical() + &document.layout_to_string();
+        drop(document);
         let mut written = write_quickly(&path, text.as_bytes());
         if written.is_err()
             && self.keeper.elsewhere.is_none()

@@ -29,6 +29,7 @@ use catalog::Catalog;
 use inside::Entered;
 use plugins::Plugins;
 use results::Results;
+use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -53,6 +54,7 @@ pub struct Model {
     worker: Worker,
     /// What the evaluation found.
     pub results: Results,
+    typed: Option<Operation>,
     /// How many graphs were opened or begun.
     opened: u64,
     /// What was copied last, and on which canvas.
@@ -109,6 +111,7 @@ impl Model {
             inside: Vec::new(),
             history: History::default(),
             results: Results::default(),
+            typed: None,
             opened: 0,
             copied: None,
             selection: BTreeSet::new(),
@@ -172,6 +175,7 @@ impl Model {
         self.document = document;
         self.lost = None;
         self.opened += 1;
+        self.typed = None;
         self.inside.clear();
         self.history = History::default();
         self.selection.clear();
@@ -224,8 +228,28 @@ impl Model {
         Ok(())
     }
 
+    /// What is being typed and is not in the document yet: it is unsaved work, and kept as such. O(1).
+    pub fn set_typed(&mut self, typed: Option<Operation>) {
+        if self.typed != typed {
+            self.typed = typed;
+            self.revision += 1;
+        }
+    }
+
+    /// The document as it will be when what is being typed is in it.
+    fn with_typed(&self) -> Cow<'_, Document> {
+        let Some(typed) = &self.typed else { return Cow::Borrowed(&self.document) };
+        let mut document = self.document.clone();
+        // It is refused if its node has gone meanwhile.
+        let _ = self.here(typed.clone()).apply(&mut document);
+        Cow::Owned(document)
+    }
+
     /// Whether the document differs from its file. O(document) after a change, else O(1).
     pub fn unsaved(&mut self) -> bool {
+        if self.typed.is_some() {
+            return true;
+        }
         if self.compared.0 != self.revision {
             let differs = self.document.to_string_canonical_for(&self.registry) != self.saved.0
                 || self.document.layout_to_string() != self.saved.1;
@@ -249,12 +273,12 @@ impl Model {
             self.revision += 1;
             return;
         }
-        let before = self.document.layout_to_string();
+        let as_saved = !self.unsaved();
         for (node, to) in places {
             // It is refused only for nodes that are not there.
             let _ = self.here(Operation::Move { node, to: Some(to) }).apply(&mut self.document);
         }
-        if self.saved.1 == before {
+        if as_saved {
             self.saved.1 = self.document.layout_to_string();
         }
         // It differs from its file as much as before.

@@ -35,6 +35,9 @@ pub(super) fn place<'a>(whole: &'a Document, path: &'a str) -> Option<Place<'a>>
     Some(Place { prefix, body, names, node })
 }
 
+/// No cluster lies in more of them than this, unless it lies in itself.
+const DEEPEST: usize = 64;
+
 /// The output of a node that an output (`path.port`) is: at an instance the one behind it. None if there is no such node.
 pub(super) fn origin(whole: &Document, output: &str) -> Option<String> {
     let mut output = output.to_owned();
@@ -42,6 +45,9 @@ pub(super) fn origin(whole: &Document, output: &str) -> Option<String> {
         let (path, port) = output.split_once('.')?;
         let at = place(whole, path)?;
         let Some(cluster) = at.node.cluster() else { return Some(output) };
+        if at.names.len() >= DEEPEST {
+            return None;
+        }
         let names = at.names.iter().copied().chain([cluster]);
         let inner = &whole.definition(names)?.0.outputs.get(port)?.port;
         output = format!("{path}/{inner}");
@@ -114,6 +120,27 @@ mod tests {
     "p": { "type": "point", "v": 1, "inputs": { "x": { "from": ["given.out"] } } }
   }
 }"#;
+
+    #[test]
+    fn a_cluster_that_lies_in_itself_leads_nowhere() {
+        let text = r#"{
+  "format": "tenon",
+  "version": 1,
+  "clusters": {
+    "c": {
+      "interface": { "version": 1, "outputs": { "out": { "port": "self.out" } } },
+      "nodes": { "self": { "type": "cluster:c", "v": 1 } }
+    }
+  },
+  "nodes": {
+    "a": { "type": "cluster:c", "v": 1 },
+    "p": { "type": "point", "v": 1, "inputs": { "x": { "from": ["a.out"] } } }
+  }
+}"#;
+        let whole = Document::from_slice(text.as_bytes()).unwrap();
+        assert_eq!(origin(&whole, "a.out"), None);
+        assert!(sources(&whole, "p").is_empty());
+    }
 
     #[test]
     fn wires_are_followed_into_instances_and_out_of_them() {

@@ -73,9 +73,11 @@ impl Results {
 
     fn done(&mut self, done: Done, document: &Document) {
         self.count += 1;
+        // That nothing more will come is told once more, without a node.
+        let known = self.stopped_at.take().filter(|_| self.cancelled && done.report.cancelled);
+        self.stopped_at = done.report.stopped_at.clone().or(known);
         self.cancelled = done.report.cancelled;
         self.progress = None;
-        self.stopped_at = done.report.stopped_at.clone();
         self.revision = done.revision;
         self.stage = Some(done.stage);
         if done.report.cancelled {

@@ -443,7 +443,7 @@ impl Pipelines {
                 true => chunks(bytemuck::cast_slice(&d.triangles), size_of::<Vertex>()),
                 false => Vec::new(),
             },
-            bodies: d.bodies.par_iter().filter(|b| !b.triangles.is_empty()).map(body).collect(),
+            bodies: d.bodies.par_iter().filter(|b| !b.vertices.is_empty()).map(body).collect(),
             lines: chunks(bytemuck::cast_slice(&d.lines), size_of::<Line>()),
             points: chunks(bytemuck::cast_slice(&d.points), 12),
             uniforms,
@@ -603,10 +603,12 @@ impl Frame {
                 pass.draw(0..*count, 0..1);
             }
             for body in &b.bodies {
-                pass.set_pipeline(&pipelines.faces);
-                pass.set_vertex_buffer(0, body.vertices.slice(..));
-                pass.set_index_buffer(body.triangles.0.slice(..), wgpu::IndexFormat::Uint16);
-                pass.draw_indexed(0..body.triangles.1, 0, 0..1);
+                if body.triangles.1 > 0 {
+                    pass.set_pipeline(&pipelines.faces);
+                    pass.set_vertex_buffer(0, body.vertices.slice(..));
+                    pass.set_index_buffer(body.triangles.0.slice(..), wgpu::IndexFormat::Uint16);
+                    pass.draw_indexed(0..body.triangles.1, 0, 0..1);
+                }
                 if body.edges.1 > 0 {
                     pass.set_pipeline(&pipelines.edges);
                     pass.set_bind_group(1, &body.corners, &[]);
