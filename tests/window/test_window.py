@@ -89,9 +89,9 @@ def kept(graph):
 
 
 def keeping(w, graph, key, value):
-    """Seconds from a key until what it makes of the control points is kept."""
+    """Seconds from a key that was seen until what it makes of the control points is kept."""
+    w.key(key)
     start = time.monotonic()
-    w.xdotool("key", key)
     w.until(lambda: kept(graph) == value, f"{key} is kept")
     return time.monotonic() - start
 
@@ -108,12 +108,8 @@ def test_a_kill_loses_at_most_the_last_second(window, tmp_path):
         values.append(points(graph)[1])
     # The last step is taken back: what the window holds now is known, and stands neither in the file nor in the first one.
     text, last = graph.read_bytes(), values[1]
-    times = [keeping(w, graph, "ctrl+z", last)]
-    while min(times) > 1.0 and len(times) < 6:
-        # A busy machine may put the window aside, but not each time.
-        keeping(w, graph, "ctrl+z", values[0])
-        times.append(keeping(w, graph, "ctrl+y", last))
-    assert min(times) <= 1.0, times
+    seconds = keeping(w, graph, "ctrl+z", last)
+    assert seconds <= 1.0, seconds
     w.kill()
     assert graph.read_bytes() == text, "the file itself is as it was"
     assert points(graph)[1] != last != values[0]
@@ -129,15 +125,11 @@ def test_a_kill_loses_at_most_the_last_second(window, tmp_path):
 def test_an_idle_window_rests(window, tmp_path):
     w = window(copy(tmp_path))
     w.settled()
-    used = []
-    while not used or (min(used) >= 0.1 and len(used) < 5):
-        # On a busy machine something may be left to do after all; a window that never rests is seen each time.
-        w.calm()
-        before = w.processor_time()
-        time.sleep(10)
-        used.append(w.processor_time() - before)
+    w.calm()
+    before = w.processor_time()
+    time.sleep(10)
     # 1 %, which a window that draws nothing stays far below.
-    assert min(used) < 0.1, used
+    assert w.processor_time() - before < 0.1
 
 
 def test_without_any_graphics_it_says_what_to_install(screen, tmp_path):

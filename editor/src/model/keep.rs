@@ -1,5 +1,6 @@
 //! No work is lost: what is not saved is kept in a file beside the graph, a second after it was done, until it is saved or
-//! given up; where nothing can be written beside it, in the state folder. And the other way round: a graph that another program has written is taken as a step.
+//! given up; where nothing can be written beside it, in the state folder. And the other way round: a graph that another
+//! program has written is taken as a step.
 
 use super::Model;
 use super::file::ENDING;

@@ -1,8 +1,15 @@
 //! Where values come from, across the borders of clusters: nodes of the whole graph by the paths of results.
 
 use super::results::instances;
-use std::collections::BTreeSet;
-use tenon_engine::{Document, Literal, Name, Node};
+use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
+use tenon_engine::{Document, Literal, Name, Node, Registry};
+
+/// No cluster lies in more of them than this, unless it lies in itself.
+const DEEPEST: usize = 64;
+
+/// So many outputs inside instances are found at most.
+const MOST: usize = 10_000;
 
 /// A node where it stands.
 pub(super) struct Place<'a> {
@@ -34,9 +41,6 @@ pub(super) fn place<'a>(whole: &'a Document, path: &'a str) -> Option<Place<'a>>
     let node = body.nodes().get(path.strip_prefix(prefix)?)?;
     Some(Place { prefix, body, names, node })
 }
-
-/// No cluster lies in more of them than this, unless it lies in itself.
-const DEEPEST: usize = 64;
 
 /// The output of a node that an output (`path.port`) is: at an instance the one behind it. None if there is no such node.
 pub(super) fn origin(whole: &Document, output: &str) -> Option<String> {
@@ -85,6 +89,49 @@ pub(super) fn sources(whole: &Document, path: &str) -> Vec<String> {
         _ => Vec::new(),
     };
     ports.into_iter().flat_map(wired).collect()
+}
+
+/// The outputs (`path.port`) of some types inside all instances of a graph. O(definitions + what is found).
+pub(super) fn inside(whole: &Document, registry: &Registry, types: &[&str]) -> Arc<Vec<String>> {
+    Inside { whole, registry, types, known: HashMap::new() }.of(&mut Vec::new(), whole)
+}
+
+struct Inside<'a> {
+    whole: &'a Document,
+    registry: &'a Registry,
+    types: &'a [&'a str],
+    known: HashMap<*const Document, Arc<Vec<String>>>,
+}
+
+impl<'a> Inside<'a> {
+    /// Inside the instances of a body, and if it is that of a cluster also its own.
+    fn of(&mut self, names: &mut Vec<&'a str>, body: &'a Document) -> Arc<Vec<String>> {
+        if let Some(known) = self.known.get(&std::ptr::from_ref(body)) {
+            return known.clone();
+        }
+        // A cluster that contains itself ends here.
+        self.known.insert(body, Arc::default());
+        let mut found = Vec::new();
+        for (id, node) in body.nodes() {
+            if let Some(cluster) = node.cluster() {
+                names.push(cluster);
+                if names.len() <= DEEPEST
+                    && let Some((inner, _)) = self.whole.definition(names.iter().copied())
+                {
+                    let inner = self.of(names, inner);
+                    found.extend(inner.iter().take(MOST - found.len()).map(|address| format!("{id}/{address}")));
+                }
+                names.pop();
+            } else if !names.is_empty() {
+                let ports = self.registry.get(&node.type_name).map_or(&[][..], |t| t.outputs());
+                let ports = ports.iter().filter(|p| self.types.contains(&p.type_name()));
+                found.extend(ports.take(MOST - found.len()).map(|p| format!("{id}.{}", p.name())));
+            }
+        }
+        let found = Arc::new(found);
+        self.known.insert(body, found.clone());
+        found
+    }
 }
 
 #[cfg(test)]

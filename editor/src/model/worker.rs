@@ -1,8 +1,8 @@
 //! Evaluation beside the window. One thread holds the session; edits go to it in order, and what it finds comes back in
 //! updates. First comes what the viewport shows, then everything else; a new edit stops the second, never the window.
 
-use super::cut;
 use super::inside::Entered;
+use super::{cut, reach};
 use crate::scene::{self, Drawing};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -22,12 +22,6 @@ const FAREWELL: Duration = Duration::from_millis(100);
 
 /// Memory for remembered results, bytes.
 const CACHE: usize = 1 << 30;
-
-/// Levels of clusters in which is looked for what the machine makes.
-const DEEPEST: usize = 64;
-
-/// So many outputs are taken that tell it.
-const MOST_CUT: usize = 10_000;
 
 /// What an evaluation was for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -375,7 +369,12 @@ impl Evaluator {
             }
             ends.extend(self.outputs(session, node).iter().take(most).map(|port| format!("{id}.{port}")));
         }
-        ends.extend(self.all_cut_inside(session.document()).iter().filter(|o| session.knows(o).is_ok()).cloned());
+        ends.extend(
+            reach::inside(session.document(), &self.registry, &cut::ASKED)
+                .iter()
+                .filter(|o| session.knows(o).is_ok())
+                .cloned(),
+        );
         ends
     }
 
@@ -397,53 +396,12 @@ impl Evaluator {
             take(&format!("{}/", last.path), body.nodes());
         }
         // What the machine makes is looked at wherever it is made.
-        for address in self.all_cut_inside(session.document()).iter() {
+        for address in reach::inside(session.document(), &self.registry, &cut::ASKED).iter() {
             if let Some(tree) = session.value(address) {
                 values.insert(address.clone(), tree);
             }
         }
         values
-    }
-
-    /// The outputs inside all instances that tell what the machine makes.
-    fn all_cut_inside(&self, whole: &Document) -> Arc<Vec<String>> {
-        self.cut_inside(whole, &mut Vec::new(), whole, &mut HashMap::new())
-    }
-
-    /// The outputs inside the instances of a body, and if it is a cluster's also its own, that tell what the machine makes.
-    /// O(definitions + what is found).
-    fn cut_inside<'a>(
-        &self,
-        whole: &'a Document,
-        names: &mut Vec<&'a str>,
-        body: &'a Document,
-        known: &mut HashMap<*const Document, Arc<Vec<String>>>,
-    ) -> Arc<Vec<String>> {
-        if let Some(known) = known.get(&std::ptr::from_ref(body)) {
-            return known.clone();
-        }
-        // A cluster that contains itself ends here.
-        known.insert(body, Arc::default());
-        let mut found = Vec::new();
-        for (id, node) in body.nodes() {
-            if let Some(cluster) = node.cluster() {
-                names.push(cluster);
-                if names.len() <= DEEPEST
-                    && let Some((inner, _)) = whole.definition(names.iter().copied())
-                {
-                    let inner = self.cut_inside(whole, names, inner, known);
-                    found.extend(inner.iter().take(MOST_CUT - found.len()).map(|address| format!("{id}/{address}")));
-                }
-                names.pop();
-            } else if !names.is_empty() {
-                let ports = self.registry.get(&node.type_name).map_or(&[][..], |t| t.outputs());
-                let ports = ports.iter().filter(|p| cut::ASKED.contains(&p.type_name()));
-                found.extend(ports.take(MOST_CUT - found.len()).map(|p| format!("{id}.{}", p.name())));
-            }
-        }
-        let found = Arc::new(found);
-        known.insert(body, found.clone());
-        found
     }
 }
 

@@ -1,24 +1,24 @@
-//! The graphics card: buffers of what is drawn, pipelines, and the picture with depth and smoothed edges that is made
+//! The graphics card: pipelines, and the picture with depth and smoothed edges that is made
 //! before the window is painted and put into it afterwards.
 
+mod buffers;
 mod tiles;
 
+pub use buffers::write_directly;
 pub use tiles::picture;
 
 use super::{Camera, Clip, rgb};
-use crate::scene::{Bodies, Drawing, Line, Vertex};
+use crate::scene::{Drawing, Line, Vertex};
+use buffers::Buffers;
 use eframe::egui::{Color32, Rect};
 use eframe::egui_wgpu::wgpu::util::DeviceExt as _;
 use eframe::egui_wgpu::{self, CallbackResources, CallbackTrait, ScreenDescriptor, wgpu};
-use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 
 const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 const SAMPLES: u32 = 4;
-/// Largest buffer, bytes: a multiple of three corners and of a line.
-const CHUNK: usize = 60 * 28 * 5_000;
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -84,30 +84,6 @@ pub struct Frame {
     pub shown: Vec<Shown>,
 }
 
-/// Buffers of one drawing.
-struct Buffers {
-    digest: u128,
-    colours: Arc<Vec<u32>>,
-    colour_buffer: wgpu::Buffer,
-    triangles: Vec<(wgpu::Buffer, u32)>,
-    lines: Vec<(wgpu::Buffer, u32)>,
-    points: Vec<(wgpu::Buffer, u32)>,
-    bodies: Vec<BodyBuffers>,
-    /// How it is seen in the window; a picture has uniforms of its own.
-    uniforms: wgpu::Buffer,
-    group: wgpu::BindGroup,
-    photo: Option<wgpu::BindGroup>,
-}
-
-/// Buffers of a piece of bodies.
-struct BodyBuffers {
-    vertices: wgpu::Buffer,
-    triangles: (wgpu::Buffer, u32),
-    edges: (wgpu::Buffer, u32),
-    /// The vertices as edges see them.
-    corners: wgpu::BindGroup,
-}
-
 /// The picture that is drawn into.
 struct Target {
     size: [u32; 2],
@@ -135,50 +111,6 @@ struct Resources {
     pipelines: Pipelines,
     buffers: HashMap<String, Buffers>,
     target: Option<Target>,
-}
-
-/// Has an adapter that is the processor itself take buffers as they are written, in memory that both see. Cards take copies:
-/// their own memory is faster for them.
-pub fn write_directly(setup: &mut egui_wgpu::WgpuSetup) {
-    let egui_wgpu::WgpuSetup::CreateNew(new) = setup else { return };
-    let before = new.device_descriptor.clone();
-    new.device_descriptor = Arc::new(move |adapter| {
-        let mut device = before(adapter);
-        if adapter.get_info().device_type == wgpu::DeviceType::Cpu {
-            device.required_features |= adapter.features() & wgpu::Features::MAPPABLE_PRIMARY_BUFFERS;
-        }
-        device
-    });
-}
-
-/// A buffer with that in it, whose size is rounded up to a multiple of four.
-fn written(device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
-    let direct = device.features().contains(wgpu::Features::MAPPABLE_PRIMARY_BUFFERS);
-    let way = if direct { wgpu::BufferUsages::MAP_WRITE } else { wgpu::BufferUsages::COPY_DST };
-    let whole = bytes.len() as u64 / 4 * 4;
-    let size = (bytes.len() as u64).next_multiple_of(4);
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size,
-        usage: usage | way,
-        mapped_at_creation: direct,
-    });
-    if direct {
-        if let Ok(mut there) = buffer.get_mapped_range_mut(..) {
-            there.slice(..bytes.len()).copy_from_slice(bytes);
-        }
-        buffer.unmap();
-        return buffer;
-    }
-    // By the queue: one that is mapped at its creation without being seen by both is filled with zeros and copied.
-    let (body, rest) = bytes.split_at(whole as usize);
-    queue.write_buffer(&buffer, 0, body);
-    if !rest.is_empty() {
-        let mut last = [0; 4];
-        last[..rest.len()].copy_from_slice(rest);
-        queue.write_buffer(&buffer, whole, &last);
-    }
-    buffer
 }
 
 /// Prepares the graphics card; says what it is.
@@ -402,54 +334,6 @@ impl Pipelines {
                 wgpu::BindGroupEntry { binding: 1, resource: colours.as_entire_binding() },
             ],
         })
-    }
-
-    fn buffers(&self, device: &wgpu::Device, queue: &wgpu::Queue, shown: &Shown) -> Buffers {
-        // On all threads: what takes time is the copy into memory that the card sees.
-        let written = |bytes: &[u8], usage| written(device, queue, bytes, usage);
-        let vertex = wgpu::BufferUsages::VERTEX;
-        let chunks = |bytes: &[u8], item: usize| -> Vec<(wgpu::Buffer, u32)> {
-            bytes.par_chunks(CHUNK).map(|c| (written(c, vertex), (c.len() / item) as u32)).collect()
-        };
-        let body = |b: &Bodies| {
-            let vertices = written(bytemuck::cast_slice(&b.vertices), vertex | wgpu::BufferUsages::STORAGE);
-            let corners = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: None,
-                layout: &self.corner_layout,
-                entries: &[wgpu::BindGroupEntry { binding: 2, resource: vertices.as_entire_binding() }],
-            });
-            let triangles = written(bytemuck::cast_slice(&b.triangles), wgpu::BufferUsages::INDEX);
-            let edges = written(bytemuck::cast_slice(&b.edges), vertex);
-            let counts = [b.triangles.len(), b.edges.len()].map(|n| n as u32);
-            BodyBuffers { vertices, triangles: (triangles, counts[0]), edges: (edges, counts[1]), corners }
-        };
-        let d = &shown.drawing;
-        let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: size_of::<Uniforms>() as u64,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        let none = [0_u32];
-        let colours: &[u32] = if shown.colours.is_empty() { &none } else { &shown.colours };
-        // The last colour counts for all parts beyond it, so one zero is enough for none.
-        let colour_buffer = written(bytemuck::cast_slice(colours), wgpu::BufferUsages::STORAGE);
-        let group = self.group(device, &uniforms, &colour_buffer);
-        Buffers {
-            digest: d.digest,
-            colours: shown.colours.clone(),
-            colour_buffer,
-            triangles: match d.bodies.is_empty() {
-                true => chunks(bytemuck::cast_slice(&d.triangles), size_of::<Vertex>()),
-                false => Vec::new(),
-            },
-            bodies: d.bodies.par_iter().filter(|b| !b.vertices.is_empty()).map(body).collect(),
-            lines: chunks(bytemuck::cast_slice(&d.lines), size_of::<Line>()),
-            points: chunks(bytemuck::cast_slice(&d.points), 12),
-            uniforms,
-            group,
-            photo: shown.picture.as_ref().map(|p| self.photo(device, queue, p)),
-        }
     }
 }
 
